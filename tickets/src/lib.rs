@@ -4,11 +4,23 @@
 pub mod amount;
 pub mod clock;
 pub mod device;
+pub mod fault;
+pub mod gate;
 pub mod id;
+pub mod interlock;
 pub mod lock;
+pub mod notify;
 pub mod platform;
 pub mod recorder;
+pub mod refusal;
+pub mod scope;
+pub mod standing;
 mod sync;
+pub mod telemetry;
+pub mod ticket;
+pub mod validity;
 
 pub use device::Device;
+pub use gate::Gate;
 pub use platform::{Containment, Platform};
+pub use ticket::Ticket;

@@ -2,10 +2,10 @@
 //!
 //! | strategy | where |
 //! |---|---|
-//! | [`PiLocked`] | Linux, mixed priorities; the default of `faregate-runtime` there |
-//! | [`Locked`] | plain hosts (`parking_lot`), anything with a `lock_api::RawMutex` |
-//! | [`Masked`] | one core without an operating system |
-//! | [`LoomLocked`] | under the model checker |
+//! | `PiLocked` | Linux, mixed priorities; the default of `faregate-runtime` there |
+//! | `Locked` | plain hosts (`parking_lot`), anything with a `lock_api::RawMutex` |
+//! | `Masked` | one core without an operating system |
+//! | `LoomLocked` | under the model checker |
 
 use crate::clock::Duration;
 
@@ -27,7 +27,7 @@ pub use loomed::LoomLocked;
 #[cfg(feature = "critical-section")]
 pub use masked::Masked;
 #[cfg(all(feature = "linux", target_os = "linux", not(loom)))]
-pub use pi::{CurrentThread, PiLocked};
+pub use {pi::PiLocked, sys::CurrentThread};
 
 /// A way to exclude others from a critical section, chosen at compile time.
 pub trait Strategy: 'static {

@@ -1,6 +1,10 @@
 //! The recorder port: what happened, for the flight recorder.
 
+use crate::amount::Milliwatts;
 use crate::clock::Instant;
+use crate::fault::GateFault;
+use crate::id::{GateId, Priority, TicketId};
+use crate::standing::Why;
 
 /// One lane of the flight recorder. Each gate and each broker writes its own,
 /// under its own lock, so a lane has one writer at a time.
@@ -14,19 +18,19 @@ pub trait Lane: Send {
 }
 
 /// A lane that keeps nothing.
-#[derive(Debug, Default)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct NoLane;
 
 impl Lane for NoLane {
     fn record(&mut self, _: Record) {}
 }
 
-/// What happened, where, to whom, when.
+/// What happened, to whom, when. Which gate or broker it was is the lane's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Record {
     /// When, by the clock of the gate or broker that writes.
     pub at: Instant,
-    /// The ticket concerned; 0 where none is.
+    /// The serial of the ticket concerned; 0 where none is.
     pub ticket: usize,
     /// What happened.
     pub event: RecordedEvent,
@@ -41,4 +45,77 @@ pub enum RecordedEvent {
         /// The command's number.
         code: u16,
     },
+    /// Commands were refused since the ticket's last record.
+    Refused {
+        /// How many.
+        count: u32,
+    },
+    /// The gate admits the ticket.
+    Admitted {
+        /// The number of this change of tenant.
+        tenure: usize,
+    },
+    /// The gate admits nobody.
+    Vacated {
+        /// The number of this change of tenant.
+        tenure: usize,
+    },
+    /// The safing command was issued.
+    Safed {
+        /// Which attempt it was, from 1.
+        attempt: u8,
+    },
+    /// The gate became faulted.
+    Closed(GateFault),
+    /// A supervisor reset the gate.
+    Reopened,
+    /// The clock went backwards; time stands still until it is back.
+    ClockWentBack,
+    /// A ticket was requested.
+    Requested {
+        /// At this priority.
+        priority: Priority,
+    },
+    /// A request was refused.
+    RequestRefused,
+    /// The ticket became valid.
+    Granted,
+    /// The ticket was revoked.
+    Revoked(Why),
+    /// The ticket was given back.
+    Relinquished,
+    /// The ticket's grant is over.
+    Ended,
+    /// A barred ticket was reinstated.
+    Reinstated,
+    /// The device was freshly seen off.
+    SeenOff {
+        /// Its gate.
+        gate: GateId,
+    },
+    /// The device could not be made safe.
+    Stuck {
+        /// Its gate.
+        gate: GateId,
+    },
+    /// The supply changed.
+    Supply {
+        /// To this much.
+        supply: Milliwatts,
+    },
+    /// Safe mode was entered, with this floor.
+    SafeMode {
+        /// Nothing below it becomes valid.
+        floor: Priority,
+    },
+    /// Safe mode was left.
+    SafeModeLeft,
+}
+
+impl Record {
+    /// A record about a ticket.
+    #[must_use]
+    pub const fn of(at: Instant, ticket: TicketId, event: RecordedEvent) -> Self {
+        Self { at, ticket: ticket.serial, event }
+    }
 }

@@ -6,3 +6,31 @@ pub(crate) use loom::sync::atomic::{AtomicUsize, Ordering, fence};
 
 #[cfg(not(loom))]
 pub(crate) use portable_atomic::{AtomicUsize, Ordering, fence};
+
+/// Makes a constructor `const`, which with loom's atomics none can be.
+#[cfg(not(loom))]
+macro_rules! const_unless_loom {
+    ($(#[$meta:meta])* $vis:vis fn $($rest:tt)*) => {
+        $(#[$meta])* $vis const fn $($rest)*
+    };
+}
+#[cfg(loom)]
+macro_rules! const_unless_loom {
+    ($($constructor:tt)*) => { $($constructor)* };
+}
+pub(crate) use const_unless_loom;
+
+/// An array of so many values, each made by the same expression.
+#[cfg(not(loom))]
+macro_rules! array_of {
+    ($new:expr, $n:expr) => {
+        [const { $new }; $n]
+    };
+}
+#[cfg(loom)]
+macro_rules! array_of {
+    ($new:expr, $n:expr) => {
+        core::array::from_fn::<_, { $n }, _>(|_| $new)
+    };
+}
+pub(crate) use array_of;

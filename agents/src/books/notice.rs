@@ -1,0 +1,94 @@
+//! What the books learn from outside: epochs, faults, supplies.
+
+use faregate_tickets::amount::Milliwatts;
+use faregate_tickets::fault::GateFault;
+use faregate_tickets::id::GateId;
+use faregate_tickets::scope::Seen;
+use faregate_tickets::standing::Why;
+
+use crate::limits::{MAX_AGENTS, MAX_GATES};
+
+use super::device::Phase;
+use super::grant::State;
+use super::{Actions, Books, bit};
+
+impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
+    /// Everything granted under an epoch that has ended is revoked; all devices
+    /// of that scope are made safe, in the order of registration.
+    pub(super) fn notice(
+        &mut self,
+        broker: Seen,
+        agents: &[Seen; MAX_AGENTS],
+        survivors: u64,
+        actions: &mut Actions,
+    ) {
+        let broker_ended = self.broker_seen.epoch != broker.epoch;
+        self.broker_seen = broker;
+        for number in 0..self.devices.len() {
+            let Ok(gate) = u8::try_from(number).map(GateId) else { continue };
+            let Some(agent) = self.device(gate).map(|device| device.agent) else { continue };
+            let seen = agents.get(usize::from(agent)).copied().unwrap_or_default();
+            let ended = broker_ended || self.agent(agent).is_some_and(|book| book.seen.epoch != seen.epoch);
+            self.notice_tenant(gate, broker.epoch, seen.epoch, survivors, actions);
+            if let Some(device) = self.device_mut(gate).filter(|_| ended) {
+                device.must_safe |= !matches!(device.phase, Phase::Off | Phase::Held | Phase::Admitting);
+            }
+        }
+        for (book, seen) in self.agents.iter_mut().zip(agents) {
+            book.seen = *seen;
+        }
+    }
+
+    fn notice_tenant(
+        &mut self,
+        gate: GateId,
+        broker: usize,
+        agent: usize,
+        survivors: u64,
+        actions: &mut Actions,
+    ) {
+        let Some(device) = self.device(gate) else { return };
+        let Some(seat) = device.tenant else { return };
+        let agent_ended = device.agent_stamp != agent;
+        let Some(grant) = self.grant_mut(seat) else { return };
+        let broker_ended = grant.broker_stamp != broker;
+        if !agent_ended && broker_ended && survivors & bit(gate) != 0 {
+            grant.exempt = true;
+            grant.broker_stamp = broker;
+            return;
+        }
+        if agent_ended || broker_ended {
+            let gates = grant.gates;
+            grant.state = State::Waiting;
+            grant.exempt = false;
+            let _ = actions.explained.push((grant.id(seat), Why::RevokedAll));
+            self.put_out(seat, gates);
+        }
+    }
+
+    pub(super) fn notice_faults(&mut self, faults: &[Option<GateFault>; MAX_GATES]) {
+        for (device, fault) in self.devices.iter_mut().zip(faults) {
+            if device.fault.is_none() && fault.is_some() {
+                // What the driver did last is not known.
+                device.must_safe |= device.phase != Phase::Off;
+            }
+            device.fault = *fault;
+        }
+    }
+
+    /// The gate takes tickets again; its device is orphaned.
+    pub(super) fn reset(&mut self, gate: GateId) {
+        if let Some(device) = self.device_mut(gate) {
+            device.fault = None;
+            device.attempts = 0;
+            device.stuck = false;
+        }
+    }
+
+    pub(super) fn set_supply(&mut self, agent: u8, supply: Milliwatts) {
+        if let Some(book) = self.agents.get_mut(usize::from(agent)) {
+            book.supply = supply;
+            book.largest_supply = book.largest_supply.max(supply);
+        }
+    }
+}

@@ -1,0 +1,183 @@
+//! Service: whatever is due, done by whoever calls.
+
+use faregate_tickets::clock::{Clock, Instant};
+use faregate_tickets::gate::{Admission, Key};
+use faregate_tickets::id::GateId;
+use faregate_tickets::lock::Exclusion;
+use faregate_tickets::notify::Notify;
+use faregate_tickets::platform::Platform;
+
+use crate::books::{Actions, Done, Event, Work};
+use crate::limits::MAX_GATES;
+
+use super::{Broker, Ledger};
+
+/// What a look at the books found.
+enum Found {
+    Work(Work),
+    /// A limit of this gate's tenant may have run out.
+    Limit { gate: GateId, serial: usize },
+    /// Nothing, until then.
+    Due(Option<Instant>),
+}
+
+impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
+    Broker<'g, P, N, G, T, S>
+{
+    /// No call does more steps than this: each gate's hand-over several times
+    /// over. What is left is due at once.
+    const MOST_STEPS: usize = 16 * G + 16;
+
+    /// Does what is due: hand-overs, limits that run out, restoration. Answers
+    /// when something may become due by itself; before that, only somebody's
+    /// doing makes it due, and [`Notify::service_due`] says so.
+    ///
+    /// Called by the service thread, and by a waiting requester at its own
+    /// priority. Any number of threads may call it together; none holds up
+    /// another, because a step that one has begun another may do.
+    ///
+    /// # Timing
+    /// Each step waits at most for the command in progress at one gate; the
+    /// number of steps is bounded by the gates.
+    pub fn service(&self) -> Option<Instant> {
+        let mut event = None;
+        for _ in 0..Self::MOST_STEPS {
+            match self.look(event.take()) {
+                Found::Work(work) => event = self.perform(&work).map(Event::Done),
+                Found::Limit { gate, serial } => event = self.look_at_limit(gate, serial),
+                Found::Due(due) => return due,
+            }
+        }
+        if let Some(event) = event {
+            self.look(Some(event));
+        }
+        self.notify.service_due();
+        self.now()
+    }
+
+    /// Takes in what happened, and what can be seen, and looks what is due.
+    fn look(&self, event: Option<Event>) -> Found {
+        let mut granted = heapless::Vec::<_, { MAX_GATES + 8 }>::new();
+        let found = self.ledger.with(|ledger| {
+            let now = ledger.clock.now();
+            self.look_for_bars(ledger, now);
+            let noticed = self.noticed(ledger);
+            let actions = ledger.books.steps([Event::Tick(now), noticed, self.faults()].into_iter().chain(event));
+            self.carry_out(ledger, now, &actions);
+            let Actions { granted: valid, ended, .. } = actions;
+            for ticket in valid.iter().chain(&ended) {
+                let _ = granted.push(*ticket);
+            }
+            self.find(ledger, now)
+        });
+        for ticket in granted {
+            self.notify.ticket_changed(ticket);
+        }
+        found.unwrap_or(Found::Due(None))
+    }
+
+    fn find(&self, ledger: &Ledger<P, G, T, S>, now: Instant) -> Found {
+        let due = match ledger.books.work() {
+            Ok(work) => return Found::Work(work),
+            Err(due) => due,
+        };
+        let limits = self.keys.iter().enumerate().filter_map(|(number, key)| {
+            let gate = GateId(u8::try_from(number).ok()?);
+            let serial = ledger.books.device_report(gate)?.tenant?.serial;
+            Some((key.look_again(now)?, gate, serial))
+        });
+        match limits.min_by_key(|(at, ..)| *at) {
+            Some((at, gate, serial)) if at <= now => Found::Limit { gate, serial },
+            next => Found::Due(due.into_iter().chain(next.map(|(at, ..)| at)).min()),
+        }
+    }
+
+    /// The epochs are read before the books decide (Late Epoch Invariant).
+    fn noticed(&self, ledger: &Ledger<P, G, T, S>) -> Event {
+        let broker = self.scope.read();
+        let agents = core::array::from_fn(|agent| self.agents.get(agent).map_or_else(Default::default, super::Scope::read));
+        let mut survivors = 0;
+        for number in 0..self.keys.len() {
+            let Ok(gate) = u8::try_from(number).map(GateId) else { continue };
+            let tenant = ledger.books.device_report(gate).and_then(|report| report.tenant);
+            let Some(ticket) = tenant else { continue };
+            let standing = self.standings.get(usize::from(ticket.seat));
+            if standing.is_some_and(|standing| standing.survives(ticket.serial, broker.epoch)) {
+                survivors |= crate::books::bit(gate);
+            }
+        }
+        Event::Noticed { broker, agents, survivors }
+    }
+
+    fn faults(&self) -> Event {
+        let mut faults = [None; MAX_GATES];
+        for (fault, key) in faults.iter_mut().zip(&self.keys) {
+            *fault = key.fault();
+        }
+        Event::Faults(faults)
+    }
+
+    /// Finds who was barred: each standing that is ahead of the books' count.
+    fn look_for_bars(&self, ledger: &mut Ledger<P, G, T, S>, now: Instant) {
+        let bars = self.scope.bars();
+        if bars == ledger.bars_seen {
+            return;
+        }
+        ledger.bars_seen = bars;
+        for (seat, standing) in (0..).zip(&self.standings) {
+            let epoch = standing.epoch_seen();
+            let Some((serial, counted)) = ledger.books.counted(seat) else { continue };
+            if epoch == counted {
+                continue;
+            }
+            // One increment that meant somebody else is a bar that came too
+            // late. With more than one, at least the doubt is the holder's.
+            let stale = standing.barred_serial() != serial && epoch == counted.wrapping_add(1);
+            let event = if stale || serial == 0 {
+                Event::HitByStaleBar { seat, epoch }
+            } else {
+                Event::Barred { seat, epoch }
+            };
+            let actions = ledger.books.step(event);
+            self.carry_out(ledger, now, &actions);
+        }
+    }
+
+    fn perform(&self, work: &Work) -> Option<Done> {
+        let key = self.key(work.gate())?;
+        let (tenure, result) = match *work {
+            Work::Vacate { gate, tenure, timeout } => {
+                let vacated = key.vacate(tenure, timeout);
+                (tenure, vacated.map(|vacated| Done::Vacated { gate, ended: tenure, vacated }))
+            }
+            Work::Safe { gate, tenure, attempt, timeout } => {
+                let safed = key.safe(tenure, attempt, timeout);
+                (tenure, safed.map(|safed| Done::Safed { gate, tenure, attempt, safed }))
+            }
+            Work::SeenOff { gate, tenure, at, timeout } => {
+                let told = key.seen_off(tenure, at, timeout);
+                (tenure, told.map(|()| Done::SeenOff { gate, at }))
+            }
+            Work::Admit { tenure, .. } => (tenure, self.admit(key, work)?),
+        };
+        let gate = work.gate();
+        Some(result.unwrap_or_else(|blocked| Done::Blocked { gate, tenure, blocked }))
+    }
+
+    fn admit(&self, key: &Key<'g>, work: &Work) -> Option<Result<Done, faregate_tickets::gate::Blocked>> {
+        let Work::Admit { gate, tenure: after, ticket, validity, agent, stamp, timeout } = *work else {
+            return None;
+        };
+        let standing = self.standings.get(usize::from(ticket.seat))?;
+        let stamp = stamp.map(|stamp| (standing, stamp));
+        let admission = Admission { serial: ticket.serial, tenure: after, agent, validity, stamp };
+        let admitted = key.admit(admission, timeout);
+        Some(admitted.map(|tenure| Done::Admitted { gate, after, tenure, ticket }))
+    }
+
+    fn look_at_limit(&self, gate: GateId, serial: usize) -> Option<Event> {
+        let patience = self.key(gate)?.profile().longest_command;
+        let ran_out = self.key(gate)?.ran_out(serial, patience.saturating_mul(4))?;
+        Some(Event::RanOut { gate, serial, ends_ticket: ran_out.ends_ticket })
+    }
+}

@@ -1,0 +1,229 @@
+//! Supervisors: who may revoke what is not theirs.
+
+use core::fmt;
+
+use faregate_tickets::clock::Clock;
+use faregate_tickets::device::Device;
+use faregate_tickets::gate::{Blocked, Key};
+use faregate_tickets::id::{GateId, Priority, TicketId};
+use faregate_tickets::notify::Notify;
+use faregate_tickets::platform::Platform;
+use faregate_tickets::recorder::{Lane, Record, RecordedEvent};
+use faregate_tickets::scope::Scope;
+use faregate_tickets::ticket::Ticket;
+
+use crate::books::Event;
+
+use super::{AgentId, Broker};
+
+/// The authority to revoke: of a whole broker, or of one agent.
+///
+/// Made while the broker is put together; nobody without one can revoke what
+/// is not theirs.
+#[derive(Debug)]
+pub struct Supervisor {
+    tag: usize,
+    agent: Option<u8>,
+}
+
+/// Why a supervisor's order was not carried out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum NotYours {
+    /// The supervisor is another broker's, or another agent's.
+    OtherScope,
+    /// The ticket has ended; nobody was revoked.
+    Stale,
+}
+
+impl fmt::Display for NotYours {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::OtherScope => "the supervisor has no authority there",
+            Self::Stale => "the ticket has ended already",
+        })
+    }
+}
+
+impl core::error::Error for NotYours {}
+
+/// Something was revoked. A command that was admitted before it may still be in
+/// progress, until [`quiesce`](Revoked::quiesce) has returned.
+#[must_use = "a command admitted before may still be in progress: `quiesce` waits for it"]
+pub struct Revoked<'b> {
+    keys: &'b [Key<'b>],
+}
+
+/// No command of what was revoked is in progress, and everything it did is
+/// visible.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Quiescent(());
+
+impl Revoked<'_> {
+    /// Passes once through each gate of the scope.
+    ///
+    /// # Errors
+    /// The first gate whose command in progress did not come back in time; it
+    /// is faulted.
+    ///
+    /// # Timing
+    /// One command in progress for each gate, with priority inheritance where
+    /// the gate's strategy has it.
+    pub fn quiesce(self) -> Result<Quiescent, (GateId, Blocked)> {
+        for (number, key) in (0..).zip(self.keys) {
+            let profile = key.profile();
+            let patience = profile.longest_command.saturating_mul(u64::from(profile.overrun_factor.max(1)));
+            key.pass(patience).map_err(|blocked| (GateId(number), blocked))?;
+        }
+        Ok(Quiescent(()))
+    }
+
+    /// Leaves it to the broker's service to reach quiescence.
+    pub fn without_waiting(self) {}
+}
+
+impl fmt::Debug for Revoked<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Revoked")
+    }
+}
+
+impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
+    Broker<'g, P, N, G, T, S>
+{
+    /// Makes a supervisor of the whole broker.
+    pub fn supervisor(&mut self) -> Supervisor {
+        Supervisor { tag: self.tag, agent: None }
+    }
+
+    /// Makes a supervisor of one agent.
+    ///
+    /// # Errors
+    /// [`NotYours::OtherScope`] for another broker's agent.
+    pub fn supervisor_of(&mut self, agent: AgentId) -> Result<Supervisor, NotYours> {
+        if agent.tag != self.tag {
+            return Err(NotYours::OtherScope);
+        }
+        Ok(Supervisor { tag: self.tag, agent: Some(agent.number) })
+    }
+
+    /// Bars a ticket, or the set it was granted with: not valid from now, and
+    /// not in line until it is reinstated. Its devices are made safe.
+    ///
+    /// # Errors
+    /// [`NotYours`].
+    ///
+    /// # Timing
+    /// Constant: three atomic writes; nobody can delay it.
+    pub fn bar(&self, supervisor: &Supervisor, ticket: TicketId) -> Result<Revoked<'_>, NotYours> {
+        self.scope_of(supervisor)?;
+        let standing = self.standings.get(usize::from(ticket.seat)).ok_or(NotYours::Stale)?;
+        if !standing.is_occupied_by(ticket.serial) {
+            return Err(NotYours::Stale);
+        }
+        if supervisor.agent.is_some_and(|agent| standing.agents() & (1 << agent) == 0) {
+            return Err(NotYours::OtherScope);
+        }
+        standing.bar(ticket.serial);
+        self.scope.note_bar();
+        self.notify.service_due();
+        Ok(Revoked { keys: &self.keys })
+    }
+
+    /// Puts a barred ticket back in line, behind those who came meanwhile.
+    ///
+    /// # Errors
+    /// [`NotYours`].
+    pub fn reinstate(&self, supervisor: &Supervisor, ticket: TicketId) -> Result<(), NotYours> {
+        self.scope_of(supervisor)?;
+        // The bar itself may not have been noticed yet.
+        self.service();
+        self.with_standing(ticket.seat, |standing| {
+            if standing.is_occupied_by(ticket.serial) {
+                standing.forget_bar();
+            }
+        });
+        self.order(RecordedEvent::Reinstated, ticket.serial);
+        self.tell(Event::Reinstated(ticket));
+        Ok(())
+    }
+
+    /// Enters safe mode: everything in the supervisor's scope is pre-empted,
+    /// its devices are made safe, and nothing below the floor becomes valid
+    /// until safe mode is left.
+    ///
+    /// # Errors
+    /// [`NotYours::OtherScope`].
+    ///
+    /// # Timing
+    /// Constant: one atomic store and one atomic increment; nobody can delay
+    /// it. Making the devices safe takes the service its time.
+    pub fn enter_safe_mode(&self, supervisor: &Supervisor, floor: Priority) -> Result<Revoked<'_>, NotYours> {
+        self.scope_of(supervisor)?.enter_safe_mode(floor);
+        self.notify.service_due();
+        Ok(Revoked { keys: &self.keys })
+    }
+
+    /// Leaves safe mode: tickets are restored in their order.
+    ///
+    /// # Errors
+    /// [`NotYours::OtherScope`].
+    pub fn leave_safe_mode(&self, supervisor: &Supervisor) -> Result<(), NotYours> {
+        self.scope_of(supervisor)?.leave_safe_mode();
+        self.order(RecordedEvent::SafeModeLeft, 0);
+        self.notify.service_due();
+        Ok(())
+    }
+
+    /// Enters safe mode, except for one ticket, which its holder brings. That
+    /// one is exempt only if it was still valid; the answer says so.
+    ///
+    /// # Errors
+    /// [`NotYours::OtherScope`]: it takes a supervisor of the whole broker.
+    ///
+    /// # Timing
+    /// Constant, as [`Broker::enter_safe_mode`].
+    pub fn revoke_all_but_me<D: Device, Q: Platform>(
+        &self,
+        supervisor: &Supervisor,
+        ticket: &Ticket<'_, D, Q, Self>,
+        floor: Priority,
+    ) -> Result<(bool, Revoked<'_>), NotYours> {
+        if supervisor.agent.is_some() {
+            return Err(NotYours::OtherScope);
+        }
+        let scope = self.scope_of(supervisor)?;
+        let exempt = ticket.revoke_all_but_me(scope, floor);
+        self.notify.service_due();
+        Ok((exempt, Revoked { keys: &self.keys }))
+    }
+
+    /// Takes a faulted gate back into use: its driver may be called again, and
+    /// its device is orphaned.
+    ///
+    /// # Errors
+    /// [`NotYours::OtherScope`].
+    pub fn reset_gate(&self, supervisor: &Supervisor, gate: GateId) -> Result<(), NotYours> {
+        self.scope_of(supervisor)?;
+        self.key(gate).ok_or(NotYours::OtherScope)?.reopen();
+        self.order(RecordedEvent::Reopened, 0);
+        self.tell(Event::Reset(gate));
+        Ok(())
+    }
+
+    fn scope_of(&self, supervisor: &Supervisor) -> Result<&Scope, NotYours> {
+        if supervisor.tag != self.tag {
+            return Err(NotYours::OtherScope);
+        }
+        match supervisor.agent {
+            None => Ok(&self.scope),
+            Some(agent) => self.agents.get(usize::from(agent)).ok_or(NotYours::OtherScope),
+        }
+    }
+
+    fn order(&self, event: RecordedEvent, ticket: usize) {
+        self.enter(|ledger| {
+            let at = ledger.clock.now();
+            ledger.lane.record(Record { at, ticket, event });
+        });
+    }
+}

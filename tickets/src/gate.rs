@@ -1,0 +1,286 @@
+//! Gates: the only place from which a device's commands reach the hardware.
+
+mod control;
+mod inside;
+mod key;
+
+use core::fmt;
+
+use crate::clock::Instant;
+use crate::device::{Device, Effect, Profile};
+use crate::fault::GateFault;
+use crate::interlock::Member;
+use crate::lock::{Exclusion, Shut, Strategy};
+use crate::platform::Platform;
+use crate::refusal::{InvokeError, Refusal};
+use crate::sync::{AtomicUsize, Ordering};
+use crate::telemetry::Telemetry;
+
+use inside::Inside;
+pub use control::{Admission, Blocked, Safed, Vacated};
+pub use key::{Handle, Key, KeyOf};
+
+/// Owns the driver of one command group.
+///
+/// A gate yields its [`Key`] once: [`split`](Gate::split) borrows it mutably
+/// for as long as the key lives. Only the key makes tickets, admits a tenant
+/// and issues safing commands.
+///
+/// **One Tenant.** `tenant` holds one serial number. Admitting another replaces
+/// it, so no policy can make two tickets of one gate valid together.
+pub struct Gate<'t, D: Device, P: Platform> {
+    profile: Profile,
+    published: Published,
+    telemetry: Option<&'t Telemetry>,
+    interlock: Option<Member<'t>>,
+    inside: <P::Strategy as Strategy>::Lock<Inside<D, P>>,
+}
+
+/// What can be looked at without the gate's lock.
+#[derive(Debug)]
+struct Published {
+    /// The serial of the tenant; 0 for nobody. Written under the lock.
+    tenant: AtomicUsize,
+    /// The agent's epoch at which the tenant was admitted. Written under the
+    /// lock.
+    agent_stamp: AtomicUsize,
+    /// When a limit of the tenant could run out; see [`Look`].
+    look_again: AtomicUsize,
+    /// The gate's fault, as a code.
+    fault: AtomicUsize,
+}
+
+impl Published {
+    fn new() -> Self {
+        Self {
+            tenant: AtomicUsize::new(0),
+            agent_stamp: AtomicUsize::new(0),
+            look_again: AtomicUsize::new(Look::NEVER),
+            fault: AtomicUsize::new(0),
+        }
+    }
+
+    fn fault(&self) -> Option<GateFault> {
+        // Relaxed: whether a command in progress is over is told by the lock.
+        GateFault::from_code(self.fault.load(Ordering::Relaxed))
+    }
+
+    fn set_fault(&self, fault: Option<GateFault>) {
+        self.fault.store(GateFault::code(fault), Ordering::Relaxed);
+    }
+
+    fn set_look_again(&self, now: Instant, at: Option<Instant>) {
+        // Relaxed: a hint. Whoever follows it looks again under the lock.
+        self.look_again.store(Look::pack(now, at), Ordering::Relaxed);
+    }
+
+    fn look_again(&self, now: Instant) -> Option<Instant> {
+        Look::unpack(now, self.look_again.load(Ordering::Relaxed))
+    }
+}
+
+/// An instant in one native word: its low bits. It is published at most
+/// [`Look::AHEAD`] before it comes, so the low bits of 32-bit targets suffice:
+/// who arrives early looks again.
+struct Look;
+
+impl Look {
+    const NEVER: usize = 0;
+    /// 2^29 us, some nine minutes: well inside half of 2^32 us.
+    const AHEAD: u64 = 1 << 29;
+
+    fn pack(now: Instant, at: Option<Instant>) -> usize {
+        let Some(at) = at else { return Self::NEVER };
+        let latest = now.as_micros().saturating_add(Self::AHEAD);
+        Self::low_bits(at.as_micros().min(latest)).max(1)
+    }
+
+    fn unpack(now: Instant, word: usize) -> Option<Instant> {
+        if word == Self::NEVER {
+            return None;
+        }
+        let ahead = word.wrapping_sub(Self::low_bits(now.as_micros()));
+        // In the upper half it is in the past: due now.
+        let due = ahead > usize::MAX / 2;
+        let ahead = if due { 0 } else { ahead };
+        Some(Instant::from_micros(now.as_micros().saturating_add(ahead as u64)))
+    }
+
+    #[expect(clippy::cast_possible_truncation, reason = "the low bits are what is meant")]
+    const fn low_bits(us: u64) -> usize {
+        us as usize
+    }
+}
+
+impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
+    /// Moves the driver behind the gate.
+    ///
+    /// `lane` is the gate's own lane in the flight recorder.
+    pub fn new(driver: D, clock: P::Clock, lane: P::Lane) -> Self {
+        Self {
+            profile: driver.profile(),
+            published: Published::new(),
+            telemetry: None,
+            interlock: None,
+            inside: Exclusion::new(Inside::new(driver, clock, lane)),
+        }
+    }
+
+    /// The same gate, whose validity functions see these state variables.
+    #[must_use]
+    pub fn watching(mut self, telemetry: &'t Telemetry) -> Self {
+        self.telemetry = Some(telemetry);
+        self
+    }
+
+    /// The same gate, on one side of an interlock. Every command that turns
+    /// its device on announces that there.
+    #[must_use]
+    pub fn interlocked(mut self, member: Member<'t>) -> Self {
+        self.interlock = Some(member);
+        self
+    }
+
+    /// The gate's one key.
+    pub fn key<'g>(&'g mut self) -> KeyOf<'g, D, P> {
+        KeyOf::new(self)
+    }
+
+    /// Issues a command if `look` agrees, twice, and the validity function.
+    pub(crate) fn invoke(
+        &self,
+        command: D::Command,
+        refused: u32,
+        look: impl Fn() -> Result<usize, Refusal>,
+    ) -> Result<D::Response, InvokeError<D::Fault>> {
+        look()?;
+        self.inside
+            .with(|inside| self.issue(inside, command, refused, look))
+            .unwrap_or_else(|shut| Err(self.shut(shut).into()))
+    }
+
+    /// Like [`Gate::invoke`], without waiting for anybody.
+    pub(crate) fn try_invoke(
+        &self,
+        command: D::Command,
+        refused: u32,
+        look: impl Fn() -> Result<usize, Refusal>,
+    ) -> Result<D::Response, InvokeError<D::Fault>> {
+        look()?;
+        self.inside
+            .try_with(|inside| self.issue(inside, command, refused, look))
+            .unwrap_or_else(|shut| Err(self.shut(shut).into()))
+    }
+
+    /// Renews the tenant's lease if `look` agrees.
+    pub(crate) fn renew(&self, look: impl Fn() -> Result<usize, Refusal>) -> Result<(), Refusal> {
+        look()?;
+        self.inside
+            .with(|inside| {
+                look()?;
+                let now = inside.now();
+                inside.validity.renew(now);
+                self.published.set_look_again(now, inside.validity.look_again_at(now));
+                Ok(())
+            })
+            .unwrap_or_else(|shut| Err(self.shut(shut)))
+    }
+
+    /// Closed Door, Open Door and Empty Room meet here: look, check, issue and
+    /// commit are one critical section.
+    fn issue(
+        &self,
+        inside: &mut Inside<D, P>,
+        command: D::Command,
+        refused: u32,
+        look: impl Fn() -> Result<usize, Refusal>,
+    ) -> Result<D::Response, InvokeError<D::Fault>> {
+        #[cfg(not(feature = "mutant-check-then-act"))]
+        let serial = look()?;
+        #[cfg(feature = "mutant-check-then-act")]
+        let serial = {
+            let _ = look;
+            // Relaxed: the mutant trusts the look before the lock.
+            self.published.tenant.load(Ordering::Relaxed)
+        };
+        let declared = D::declare(&command);
+        self.agree(inside, declared.effect)?;
+        let started = inside.now();
+        inside.record_refused(started, serial, refused);
+        let result = inside.issue(&self.published, command);
+        inside.record_issued(started, serial, declared.code);
+        self.published.set_look_again(started, inside.validity.look_again_at(started));
+        self.check_duration(inside, started, declared.wcet);
+        result
+    }
+
+    /// Checks every validity function, then commits every one. Counted before
+    /// the driver runs, so that a driver which unwinds has used what it used;
+    /// nobody can look in between.
+    fn agree(&self, inside: &mut Inside<D, P>, effect: Effect) -> Result<(), Refusal> {
+        if self.exceeds_profile(effect) {
+            return Err(Refusal::Undeclared);
+        }
+        let now = inside.now();
+        let ask = crate::validity::Ask { now, effect, telemetry: self.telemetry };
+        inside.validity.check(&ask).map_err(Refusal::Denied)?;
+        self.interlock_agrees(inside, effect)?;
+        inside.validity.commit(&ask);
+        inside.may_be_on |= matches!(effect, Effect::On { .. });
+        Ok(())
+    }
+
+    fn exceeds_profile(&self, effect: Effect) -> bool {
+        match effect {
+            Effect::On { draw, flow } => draw > self.profile.draw || flow > self.profile.flow,
+            Effect::Unchanged | Effect::Off => false,
+        }
+    }
+
+    fn interlock_agrees(&self, inside: &Inside<D, P>, effect: Effect) -> Result<(), Refusal> {
+        let (Some(member), Effect::On { .. }) = (&self.interlock, effect) else { return Ok(()) };
+        if inside.validity.has_interlock() {
+            return member.enter().map_err(Refusal::Denied);
+        }
+        member.announce();
+        Ok(())
+    }
+
+    fn check_duration(&self, inside: &mut Inside<D, P>, started: Instant, wcet: crate::clock::Duration) {
+        let took = inside.now().since(started);
+        if took > wcet.saturating_mul(u64::from(self.profile.overrun_factor.max(1))) {
+            inside.close(&self.published, GateFault::Overran);
+        }
+    }
+
+    /// What a locked gate's answer means for a holder.
+    fn shut(&self, shut: Shut) -> Refusal {
+        match shut {
+            Shut::Busy | Shut::TimedOut => Refusal::Busy,
+            Shut::Reentered => Refusal::Reentered,
+            Shut::OwnerDied => {
+                self.published.set_fault(Some(GateFault::OwnerDied));
+                Refusal::Faulted(GateFault::OwnerDied)
+            }
+        }
+    }
+
+    /// What the gate itself has to say about a ticket: the tenant's serial and
+    /// the agent's epoch with which it was admitted.
+    pub(crate) fn tenant(&self) -> (usize, usize) {
+        // Relaxed: written under the lock. The look that counts is made under
+        // it; the one before it may refuse what is being admitted this instant.
+        let tenant = self.published.tenant.load(Ordering::Relaxed);
+        (tenant, self.published.agent_stamp.load(Ordering::Relaxed))
+    }
+
+    pub(crate) fn fault(&self) -> Option<GateFault> {
+        self.published.fault()
+    }
+}
+
+impl<D: Device, P: Platform> fmt::Debug for Gate<'_, D, P> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Gate").field("published", &self.published).finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,130 @@
+//! What is behind a gate's lock: plain state, and the driver.
+
+use crate::clock::{Clock, Instant};
+use crate::device::Device;
+use crate::fault::GateFault;
+use crate::platform::{Containment, Platform};
+use crate::recorder::{Lane, Record, RecordedEvent};
+use crate::refusal::InvokeError;
+use crate::validity::Validity;
+
+use super::Published;
+
+pub(super) struct Inside<D, P: Platform> {
+    driver: D,
+    clock: P::Clock,
+    lane: P::Lane,
+    /// The latest instant read: the gate does not go back with its clock.
+    latest: Instant,
+    /// The number of the latest change of tenant.
+    pub(super) tenure: usize,
+    /// The tenure that the latest vacating was asked with, and when it was.
+    pub(super) vacated: (usize, Instant),
+    /// How often safing was tried in this tenure, and when last.
+    pub(super) safed: (u8, Instant),
+    /// The tenant's validity function; after it left, as it left it.
+    pub(super) validity: Validity,
+    /// Whether a command turned the device on since it was last seen off.
+    pub(super) may_be_on: bool,
+}
+
+impl<D: Device, P: Platform> Inside<D, P> {
+    pub(super) fn new(driver: D, clock: P::Clock, lane: P::Lane) -> Self {
+        let latest = clock.now();
+        Self {
+            driver,
+            clock,
+            lane,
+            latest,
+            tenure: 0,
+            vacated: (0, latest),
+            safed: (0, latest),
+            validity: Validity::always(),
+            may_be_on: true,
+        }
+    }
+
+    /// The present instant, never before one that was read earlier.
+    pub(super) fn now(&mut self) -> Instant {
+        let now = self.clock.now();
+        if now < self.latest {
+            self.record(self.latest, 0, RecordedEvent::ClockWentBack);
+        }
+        self.latest = self.latest.max(now);
+        self.latest
+    }
+
+    pub(super) fn record(&mut self, at: Instant, ticket: usize, event: RecordedEvent) {
+        self.lane.record(Record { at, ticket, event });
+    }
+
+    pub(super) fn record_refused(&mut self, at: Instant, ticket: usize, count: u32) {
+        if count > 0 {
+            self.record(at, ticket, RecordedEvent::Refused { count });
+        }
+    }
+
+    pub(super) fn record_issued(&mut self, at: Instant, ticket: usize, code: u16) {
+        self.record(at, ticket, RecordedEvent::Issued { code });
+    }
+
+    /// Makes the gate faulted, unless it is already: the first reason stays.
+    pub(super) fn close(&mut self, published: &Published, fault: GateFault) {
+        if published.fault().is_none() {
+            published.set_fault(Some(fault));
+            self.record(self.latest, 0, RecordedEvent::Closed(fault));
+        }
+    }
+
+    pub(super) fn issue(
+        &mut self,
+        published: &Published,
+        command: D::Command,
+    ) -> Result<D::Response, InvokeError<D::Fault>> {
+        let unwinding = FaultIfUnwound(published);
+        let result = P::Containment::contain(|| self.driver.issue(command));
+        unwinding.disarm();
+        match result {
+            Ok(Ok(response)) => Ok(response),
+            Ok(Err(fault)) => {
+                self.close(published, GateFault::Driver);
+                Err(InvokeError::Fault(fault))
+            }
+            Err(_) => {
+                self.close(published, GateFault::Panicked);
+                Err(InvokeError::Panicked)
+            }
+        }
+    }
+
+    /// Drains and safes. Whatever the driver makes of it, the attempt counts.
+    pub(super) fn safe(&mut self, published: &Published) {
+        let unwinding = FaultIfUnwound(published);
+        let result = P::Containment::contain(|| {
+            let drained = self.driver.drain();
+            self.driver.safe().and(drained)
+        });
+        unwinding.disarm();
+        match result {
+            Ok(Ok(())) => {}
+            Ok(Err(_)) => self.close(published, GateFault::Driver),
+            Err(_) => self.close(published, GateFault::Panicked),
+        }
+    }
+}
+
+/// Faults the gate when a driver's panic passes through: without containment
+/// the unwinding is all there is to notice it by.
+struct FaultIfUnwound<'a>(&'a Published);
+
+impl FaultIfUnwound<'_> {
+    fn disarm(self) {
+        let _ = core::mem::ManuallyDrop::new(self);
+    }
+}
+
+impl Drop for FaultIfUnwound<'_> {
+    fn drop(&mut self) {
+        self.0.set_fault(Some(GateFault::Panicked));
+    }
+}

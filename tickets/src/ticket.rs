@@ -1,0 +1,214 @@
+//! Tickets: a holder's authority to issue commands through one gate.
+
+use core::cell::Cell;
+use core::fmt;
+
+use crate::device::Device;
+use crate::gate::Gate;
+use crate::id::{GateId, Priority, TicketId};
+use crate::platform::Platform;
+use crate::refusal::{InvokeError, Refusal};
+use crate::scope::Scope;
+use crate::standing::Standing;
+
+/// To whom a ticket goes back.
+pub trait Issuer: Sync {
+    /// The ticket is given back. `refused` commands of it are not recorded yet.
+    ///
+    /// # Timing
+    /// Constant: called from `Drop`, so it unlinks and marks, and leaves the
+    /// device to the next service.
+    fn relinquish(&self, ticket: TicketId, gate: GateId, refused: u32);
+}
+
+/// Where a ticket's validity is decided: its grant's standing, and the scopes
+/// that can revoke it with others.
+#[derive(Clone, Copy, Debug)]
+pub struct Seat<'a> {
+    /// Which grant.
+    pub id: TicketId,
+    /// Which gate of it.
+    pub gate: GateId,
+    /// The grant's standing.
+    pub standing: &'a Standing,
+    /// The agent's scope.
+    pub agent: &'a Scope,
+    /// The broker's scope.
+    pub broker: &'a Scope,
+}
+
+/// A holder's authority to issue commands through one gate.
+///
+/// It can be sent to another thread, but not shared, copied or forged. Dropping
+/// it relinquishes it, unwinding included.
+///
+/// The ticket may be revoked at any moment, by whoever its agent finds more
+/// important. It stays in its holder's hands, refuses every command while it is
+/// not valid, and may become valid again without being asked for.
+pub struct Ticket<'a, D: Device, P: Platform, A: Issuer> {
+    gate: &'a Gate<'a, D, P>,
+    seat: Seat<'a>,
+    issuer: &'a A,
+    /// Commands refused since the last record. The cell also keeps the ticket
+    /// from being shared between threads.
+    refused: Cell<u32>,
+}
+
+impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
+    pub(crate) fn new(gate: &'a Gate<'a, D, P>, seat: Seat<'a>, issuer: &'a A) -> Self {
+        Self { gate, seat, issuer, refused: Cell::new(0) }
+    }
+
+    /// Issues the command, if the ticket is valid and its validity function
+    /// agrees.
+    ///
+    /// # Errors
+    /// [`InvokeError::Refused`] if the device has not seen the command, with
+    /// the reason; [`InvokeError::Fault`] if its driver faulted on it.
+    ///
+    /// # Timing
+    /// A refusal looks at seven words. An admitted command waits for at most
+    /// the one check, command or safing in progress at the gate, with priority
+    /// inheritance where the gate's strategy has it; beside the driver's own
+    /// time the rest is constant: no loop, no allocation.
+    ///
+    /// # After revocation
+    /// Refused, from the first invocation that happens after the revocation.
+    /// One that was admitted before it may still be in progress; who revoked
+    /// waits for quiescence.
+    pub fn invoke(&self, command: D::Command) -> Result<D::Response, InvokeError<D::Fault>> {
+        let result = self.gate.invoke(command, self.refused.get(), || self.look());
+        self.count(&result);
+        result
+    }
+
+    /// Like [`invoke`](Ticket::invoke), but says [`Refusal::Busy`] instead of
+    /// waiting.
+    ///
+    /// # Errors
+    /// As [`invoke`](Ticket::invoke).
+    ///
+    /// # Timing
+    /// Constant, beside the driver's own time.
+    pub fn try_invoke(&self, command: D::Command) -> Result<D::Response, InvokeError<D::Fault>> {
+        let result = self.gate.try_invoke(command, self.refused.get(), || self.look());
+        self.count(&result);
+        result
+    }
+
+    /// Renews the lease.
+    ///
+    /// # Errors
+    /// The reason, if the ticket is not valid.
+    ///
+    /// # Timing
+    /// As [`invoke`](Ticket::invoke), without a command.
+    pub fn renew(&self) -> Result<(), Refusal> {
+        self.gate.renew(|| self.look())
+    }
+
+    /// Whether the ticket is valid at this instant, and if not, why.
+    ///
+    /// The answer can be old when it arrives: a valid ticket may be revoked
+    /// before the next instruction, and a waiting one restored. It may be
+    /// shown, and a loop may end on it; only [`invoke`](Ticket::invoke) decides.
+    ///
+    /// # Errors
+    /// The reason why an invocation would be refused.
+    ///
+    /// # Timing
+    /// Constant: seven atomic loads.
+    pub fn check(&self) -> Result<(), Refusal> {
+        self.look().map(|_| ())
+    }
+
+    /// The ticket's identity, for supervisors and records.
+    pub fn id(&self) -> TicketId {
+        self.seat.id
+    }
+
+    /// Gives the ticket back. Dropping it does the same.
+    pub fn relinquish(self) {}
+
+    /// Revokes every ticket of the broker except this one, for a supervisor
+    /// who holds it. Answers whether this one is still valid: only a ticket
+    /// that was valid when the epoch ended is exempt.
+    ///
+    /// The agent offers this with its supervisor; on its own it needs the
+    /// scope, which only the broker has. Nothing else below `floor` becomes
+    /// valid until safe mode is left.
+    ///
+    /// # Timing
+    /// Constant: a look, two stores, one atomic increment, a look.
+    pub fn revoke_all_but_me(&self, broker: &Scope, floor: Priority) -> bool {
+        if !core::ptr::eq(broker, self.seat.broker) {
+            return false;
+        }
+        let serial = self.seat.id.serial;
+        let epoch = broker.epoch();
+        let valid = self.look().is_ok();
+        // Exempt by Announcement Invariant: the exemption names the epoch that
+        // this very increment makes. If somebody else's comes first, it names
+        // theirs, but this thread does not invoke before its own increment has
+        // made it void.
+        #[cfg(not(feature = "mutant-exempt-by-name"))]
+        if valid {
+            self.seat.standing.announce_exempt(serial, epoch);
+        }
+        broker.set_floor(floor);
+        let ended = broker.revoke_all_after();
+        #[cfg(feature = "mutant-exempt-by-name")]
+        self.seat.standing.announce_exempt(serial, ended);
+        let _ = ended;
+        self.look().is_ok()
+    }
+
+    /// Whether the ticket is valid: the serial that the gate must have as its
+    /// tenant, and every stamp current.
+    fn look(&self) -> Result<usize, Refusal> {
+        let Seat { id, standing, agent, broker, .. } = self.seat;
+        let (tenant, admitted_at) = self.gate.tenant();
+        let epoch = broker.epoch();
+        let valid = tenant == id.serial
+            && standing.own_is_current()
+            && admitted_at == agent.epoch()
+            && standing.broker_is_current(id.serial, epoch);
+        match self.gate.fault() {
+            None if valid => Ok(id.serial),
+            fault => Err(self.explain(fault)),
+        }
+    }
+
+    #[cold]
+    fn explain(&self, fault: Option<crate::fault::GateFault>) -> Refusal {
+        if let Some(fault) = fault {
+            return Refusal::Faulted(fault);
+        }
+        let Seat { id, standing, agent, broker, .. } = self.seat;
+        if !standing.own_is_current() || self.gate.tenant().0 != id.serial {
+            return Refusal::NotValid(standing.why(id.serial));
+        }
+        Refusal::RevokedAll { floor: broker.floor().or(agent.floor()) }
+    }
+
+    fn count(&self, result: &Result<D::Response, InvokeError<D::Fault>>) {
+        let refused = match result {
+            Err(InvokeError::Refused(_)) => self.refused.get().saturating_add(1),
+            _ => 0,
+        };
+        self.refused.set(refused);
+    }
+}
+
+impl<D: Device, P: Platform, A: Issuer> Drop for Ticket<'_, D, P, A> {
+    fn drop(&mut self) {
+        let Seat { id, gate, .. } = self.seat;
+        self.issuer.relinquish(id, gate, self.refused.get());
+    }
+}
+
+impl<D: Device, P: Platform, A: Issuer> fmt::Debug for Ticket<'_, D, P, A> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Ticket").field("id", &self.seat.id).finish_non_exhaustive()
+    }
+}
