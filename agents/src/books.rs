@@ -196,7 +196,12 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
 
     /// Adds a gate to an agent; answers its number, or `None` if there is no
     /// room or no such agent. Its device is orphaned: charged until seen off.
-    pub fn add_gate(&mut self, agent: u8, profile: Profile, categories: Categories) -> Option<GateId> {
+    pub fn add_gate(
+        &mut self,
+        agent: u8,
+        profile: Profile,
+        categories: Categories,
+    ) -> Option<GateId> {
         self.agents.get(usize::from(agent))?;
         let number = u8::try_from(self.devices.len()).ok()?;
         let mut book = DeviceBook::new(agent, profile, categories, self.now);

@@ -164,7 +164,11 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
         if agent.tag == self.tag {
             self.enter(|ledger| {
                 let now = ledger.clock.now();
-                ledger.lane.record(Record { at: now, ticket: 0, event: RecordedEvent::Supply { supply } });
+                ledger.lane.record(Record {
+                    at: now,
+                    ticket: 0,
+                    event: RecordedEvent::Supply { supply },
+                });
             });
             self.tell(Event::Supply { agent: agent.number, supply });
         }
@@ -228,7 +232,9 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
             lane.record(Record::of(now, *ticket, RecordedEvent::Revoked(*why)));
         }
         for (ticket, why) in &actions.explained {
-            self.with_standing(ticket.seat, |standing| standing.explain_now(standing.epoch_seen(), *why));
+            self.with_standing(ticket.seat, |standing| {
+                standing.explain_now(standing.epoch_seen(), *why)
+            });
             lane.record(Record::of(now, *ticket, RecordedEvent::Revoked(*why)));
         }
         for ticket in &actions.ended {
@@ -265,7 +271,11 @@ impl<P: Platform, N: Notify, const G: usize, const T: usize, const S: usize> Iss
         self.enter(|ledger| {
             let now = ledger.clock.now();
             if refused > 0 {
-                ledger.lane.record(Record::of(now, ticket, RecordedEvent::Refused { count: refused }));
+                ledger.lane.record(Record::of(
+                    now,
+                    ticket,
+                    RecordedEvent::Refused { count: refused },
+                ));
             }
             ledger.lane.record(Record::of(now, ticket, RecordedEvent::Relinquished));
             let actions = ledger.books.relinquished(ticket, gate);

@@ -73,8 +73,12 @@ impl fmt::Display for RequestRefused {
             Self::NoPropellant { asked, left } => {
                 write!(f, "it asks for {asked} of propellant, and {left} is left")
             }
-            Self::NoCapacity(Capacity::Seats) => f.write_str("no seat is free; build the broker with more"),
-            Self::NoCapacity(Capacity::Sets) => f.write_str("no set is free; build the broker with more"),
+            Self::NoCapacity(Capacity::Seats) => {
+                f.write_str("no seat is free; build the broker with more")
+            }
+            Self::NoCapacity(Capacity::Sets) => {
+                f.write_str("no set is free; build the broker with more")
+            }
             Self::NoCapacity(Capacity::SetGates) => f.write_str("too many gates in one request"),
             Self::NoCapacity(Capacity::ValidityFunctions) => {
                 f.write_str("too many validity functions, the lease included")

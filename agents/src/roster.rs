@@ -38,15 +38,14 @@ pub(crate) struct Rosters<const G: usize, const T: usize> {
 }
 
 impl Line {
-    const EMPTY: Self = Self {
-        occupied: [0; LEVELS / 64],
-        ends: [Ends { first: NONE, last: NONE }; LEVELS],
-    };
+    const EMPTY: Self =
+        Self { occupied: [0; LEVELS / 64], ends: [Ends { first: NONE, last: NONE }; LEVELS] };
 
     /// The highest level that is not empty, by four leading-zero counts.
     fn highest(&self) -> Option<usize> {
         let [w0, w1, w2, w3] = self.occupied;
-        let top = |word: u64, base: usize| (word != 0).then(|| base + 63 - word.leading_zeros() as usize);
+        let top =
+            |word: u64, base: usize| (word != 0).then(|| base + 63 - word.leading_zeros() as usize);
         top(w3, 192).or(top(w2, 128)).or(top(w1, 64)).or(top(w0, 0))
     }
 
@@ -60,10 +59,7 @@ impl Line {
 
 impl<const G: usize, const T: usize> Rosters<G, T> {
     pub(crate) const fn new() -> Self {
-        Self {
-            lines: [Line::EMPTY; G],
-            links: [Link { next: NONE, previous: NONE }; T],
-        }
+        Self { lines: [Line::EMPTY; G], links: [Link { next: NONE, previous: NONE }; T] }
     }
 
     /// The most important seat in line for the gate, first come first.

@@ -85,8 +85,10 @@ fn what_can_never_be_is_refused_at_once_and_nothing_is_lost() {
     let refused = bench.broker.request(Priority::EMERGENCY, &bench.lamps[2]).unwrap_err();
     let (draw, supply) = (Milliwatts::from_watts(11), Milliwatts::from_watts(10));
     assert_eq!(refused, RequestRefused::OverSupply { draw, supply });
-    let both = (bench.lamps[0].limited(faregate_tickets::validity::Validity::always()),
-        bench.lamps[1].limited(faregate_tickets::validity::Validity::always()));
+    let both = (
+        bench.lamps[0].limited(faregate_tickets::validity::Validity::always()),
+        bench.lamps[1].limited(faregate_tickets::validity::Validity::always()),
+    );
     let refused = bench.broker.request(Priority::EMERGENCY, &both).unwrap_err();
     let draw = Milliwatts::from_watts(15);
     assert_eq!(refused, RequestRefused::OverSupply { draw, supply });

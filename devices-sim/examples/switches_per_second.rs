@@ -36,14 +36,6 @@ fn main() {
     let per_second = |count: u64| count as f64 / seconds;
     println!("{RUNS} runs of 4 bodies in {seconds:.2} s");
     println!("{:.0} runs/s", per_second(RUNS));
-    println!(
-        "{:.0} choices/s ({} a run)",
-        per_second(choices),
-        choices / RUNS
-    );
-    println!(
-        "{:.0} switches/s ({} a run)",
-        per_second(resumes),
-        resumes / RUNS
-    );
+    println!("{:.0} choices/s ({} a run)", per_second(choices), choices / RUNS);
+    println!("{:.0} switches/s ({} a run)", per_second(resumes), resumes / RUNS);
 }

@@ -19,11 +19,7 @@ impl Battery {
         let nanojoules = |energy: Microjoules| energy.get().saturating_mul(1_000);
         let capacity_nj = nanojoules(parameters.battery_capacity);
         let stored_nj = nanojoules(parameters.battery_stored).min(capacity_nj);
-        Self {
-            stored_nj,
-            capacity_nj,
-            flat: false,
-        }
+        Self { stored_nj, capacity_nj, flat: false }
     }
 
     pub(crate) fn stored_nj(&self) -> u64 {

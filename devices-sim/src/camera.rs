@@ -41,11 +41,7 @@ impl Kind for Camera {
             CameraCommand::Off => (2, Effect::Off),
             CameraCommand::Expose => (3, Effect::Unchanged),
         };
-        Declaration {
-            code,
-            wcet: COMMAND_TIME_MAX,
-            effect,
-        }
+        Declaration { code, wcet: COMMAND_TIME_MAX, effect }
     }
 
     fn profile(parameters: &Parameters) -> Profile {
@@ -108,11 +104,7 @@ impl CameraState {
             CameraPower::Settling { until } => Some(until),
             CameraPower::Off => None,
         };
-        [power, self.exposure_ends]
-            .into_iter()
-            .flatten()
-            .filter(|at| *at > now)
-            .min()
+        [power, self.exposure_ends].into_iter().flatten().filter(|at| *at > now).min()
     }
 
     pub(crate) fn happen(&mut self, now: Instant, parameters: &Parameters) {
@@ -137,15 +129,12 @@ impl CameraState {
     ) -> Reaction {
         match command {
             CameraCommand::On if !self.is_on() => {
-                self.power = CameraPower::On {
-                    inrush_ends: now.after(parameters.camera_inrush_time),
-                };
+                self.power =
+                    CameraPower::On { inrush_ends: now.after(parameters.camera_inrush_time) };
             }
             CameraCommand::Off if self.is_on() => {
                 self.lose_exposure();
-                self.power = CameraPower::Settling {
-                    until: now.after(parameters.camera_settling),
-                };
+                self.power = CameraPower::Settling { until: now.after(parameters.camera_settling) };
             }
             CameraCommand::Expose if self.is_on() && self.exposure_ends.is_none() => {
                 self.exposure_ends = Some(now.after(parameters.exposure_time));

@@ -77,10 +77,7 @@ impl fmt::Debug for SimClock {
     }
 }
 
-#[expect(
-    clippy::disallowed_methods,
-    reason = "here is where real time is meant"
-)]
+#[expect(clippy::disallowed_methods, reason = "here is where real time is meant")]
 fn sleep(duration: Duration) {
     std::thread::sleep(duration.into());
 }

@@ -41,11 +41,7 @@ impl Kind for Cutoff {
             CutoffCommand::Shut => (1, Effect::on(CUTOFF_DRAW)),
             CutoffCommand::CoilOff => (2, Effect::Off),
         };
-        Declaration {
-            code,
-            wcet: COMMAND_TIME_MAX,
-            effect,
-        }
+        Declaration { code, wcet: COMMAND_TIME_MAX, effect }
     }
 
     fn profile(parameters: &Parameters) -> Profile {
@@ -72,21 +68,14 @@ impl CutoffState {
     }
 
     pub(crate) fn draw(&self) -> Milliwatts {
-        if self.is_on() {
-            CUTOFF_DRAW
-        } else {
-            Milliwatts::ZERO
-        }
+        if self.is_on() { CUTOFF_DRAW } else { Milliwatts::ZERO }
     }
 
     pub(crate) fn next_event(&self, now: Instant, parameters: &Parameters) -> Option<Instant> {
         let since = self.coil_on_since?;
         let pulled_in = since.after(parameters.cutoff_pull_in);
         let pulse_ends = since.after(parameters.cutoff_pulse);
-        [pulled_in, pulse_ends]
-            .into_iter()
-            .filter(|at| *at > now)
-            .min()
+        [pulled_in, pulse_ends].into_iter().filter(|at| *at > now).min()
     }
 
     pub(crate) fn happen(&mut self, now: Instant, parameters: &Parameters) {

@@ -103,8 +103,6 @@ pub(crate) fn common_profile(parameters: &Parameters) -> Profile {
     let mut profile = Profile::new();
     profile.longest_command = COMMAND_TIME_MAX;
     profile.longest_safing = COMMAND_TIME_MAX;
-    profile.estimate_lag = parameters
-        .sensor_lag
-        .saturating_add(parameters.sensor_period);
+    profile.estimate_lag = parameters.sensor_lag.saturating_add(parameters.sensor_period);
     profile
 }

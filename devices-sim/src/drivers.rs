@@ -50,11 +50,7 @@ pub struct Driver<K: Kind> {
 impl<K: Kind> Driver<K> {
     pub(crate) fn new(shared: Arc<Shared>) -> Self {
         let profile = K::profile(&shared.plant.lock().parameters);
-        Self {
-            line: Line(shared),
-            profile,
-            kind: PhantomData,
-        }
+        Self { line: Line(shared), profile, kind: PhantomData }
     }
 }
 
@@ -89,10 +85,7 @@ pub struct Bare<K: Kind> {
 
 impl<K: Kind> Bare<K> {
     pub(crate) fn new(shared: Arc<Shared>) -> Self {
-        Self {
-            line: Line(shared),
-            kind: PhantomData,
-        }
+        Self { line: Line(shared), kind: PhantomData }
     }
 
     /// Gives the command to the hardware.
@@ -106,10 +99,7 @@ impl<K: Kind> Bare<K> {
 
 impl<K: Kind> Clone for Bare<K> {
     fn clone(&self) -> Self {
-        Self {
-            line: self.line.clone(),
-            kind: PhantomData,
-        }
+        Self { line: self.line.clone(), kind: PhantomData }
     }
 }
 
@@ -158,9 +148,7 @@ impl Line {
                 Ok(())
             }
             Some(failing) => {
-                plant
-                    .lock()
-                    .end(clock.now(), begun.entry, Outcome::DriverFailed);
+                plant.lock().end(clock.now(), begun.entry, Outcome::DriverFailed);
                 Err(failing)
             }
         };
@@ -173,20 +161,13 @@ impl Line {
 fn fail(failing: Failing, device: DeviceId) -> DriverFault {
     if failing == Failing::Panics {
         // Past the panic hook: this one is in the script.
-        resume_unwind(Box::new(format!(
-            "the driver of the {device} panics, as scripted"
-        )));
+        resume_unwind(Box::new(format!("the driver of the {device} panics, as scripted")));
     }
     DriverFault { device }
 }
 
 /// Who calls: a body of the interleaver, or a thread.
 fn caller() -> Cow<'static, str> {
-    let thread = || {
-        std::thread::current()
-            .name()
-            .unwrap_or("unnamed thread")
-            .to_owned()
-    };
+    let thread = || std::thread::current().name().unwrap_or("unnamed thread").to_owned();
     interleave::name().map_or_else(|| thread().into(), Cow::Borrowed)
 }

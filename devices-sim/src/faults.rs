@@ -105,18 +105,12 @@ impl FaultScript {
             Instant::from_micros(from_us + dice.below(until_us - from_us))
         };
         let at = within(500_000, 1_000_000);
-        let upset = Fault::CameraUpset {
-            at: within(100_000, 2_000_000),
-        };
+        let upset = Fault::CameraUpset { at: within(100_000, 2_000_000) };
         let attempts = [0, 0, 1, 2][dice.index(4)];
         let script = Self::new()
             .with(Fault::ThrusterSticksOpen { at })
             .with(Fault::CameraOffFails { from: at, attempts });
-        if dice.below(2) == 0 {
-            script.with(upset)
-        } else {
-            script
-        }
+        if dice.below(2) == 0 { script.with(upset) } else { script }
     }
 
     /// What goes wrong.
@@ -127,11 +121,7 @@ impl FaultScript {
     /// How the device's `nth` command fails.
     pub(crate) fn failing(&self, device: DeviceId, nth: u32) -> Option<Failing> {
         self.iter().find_map(|fault| match fault {
-            Fault::CommandFails {
-                device: d,
-                nth: n,
-                how,
-            } if (d, n) == (device, nth) => Some(how),
+            Fault::CommandFails { device: d, nth: n, how } if (d, n) == (device, nth) => Some(how),
             _ => None,
         })
     }
@@ -147,10 +137,7 @@ impl FaultScript {
 
     /// The next thing that happens by itself after `now`.
     pub(crate) fn next_event(&self, now: Instant) -> Option<Instant> {
-        self.iter()
-            .filter_map(|fault| fault.happens_at())
-            .filter(|at| *at > now)
-            .min()
+        self.iter().filter_map(|fault| fault.happens_at()).filter(|at| *at > now).min()
     }
 }
 

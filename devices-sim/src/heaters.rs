@@ -38,11 +38,7 @@ impl Kind for Heaters {
             HeatersCommand::On => (1, Effect::on(HEATERS_DRAW)),
             HeatersCommand::Off => (2, Effect::Off),
         };
-        Declaration {
-            code,
-            wcet: COMMAND_TIME_MAX,
-            effect,
-        }
+        Declaration { code, wcet: COMMAND_TIME_MAX, effect }
     }
 
     fn profile(parameters: &Parameters) -> Profile {
@@ -62,19 +58,11 @@ impl HeatersState {
     }
 
     pub(crate) fn draw(&self) -> Milliwatts {
-        if self.on {
-            HEATERS_DRAW
-        } else {
-            Milliwatts::ZERO
-        }
+        if self.on { HEATERS_DRAW } else { Milliwatts::ZERO }
     }
 
     pub(crate) fn react(&mut self, command: HeatersCommand) -> Reaction {
         let on = command == HeatersCommand::On;
-        if std::mem::replace(&mut self.on, on) == on {
-            Reaction::NoEffect
-        } else {
-            Reaction::Took
-        }
+        if std::mem::replace(&mut self.on, on) == on { Reaction::NoEffect } else { Reaction::Took }
     }
 }

@@ -242,10 +242,7 @@ impl fmt::Debug for Interleaver<'_> {
         f.debug_struct("Interleaver")
             .field("seed", &self.seed)
             .field("schedule", &self.schedule)
-            .field(
-                "bodies",
-                &self.bodies.iter().map(|body| body.name).collect::<Vec<_>>(),
-            )
+            .field("bodies", &self.bodies.iter().map(|body| body.name).collect::<Vec<_>>())
             .finish_non_exhaustive()
     }
 }
@@ -254,11 +251,7 @@ fn report(core: Core, over: Over) -> Report {
     Report {
         over,
         at: core.clock.now(),
-        ends: core
-            .bodies
-            .iter()
-            .map(|body| (body.name, body.end))
-            .collect(),
+        ends: core.bodies.iter().map(|body| (body.name, body.end)).collect(),
         choices: core.choices,
         resumes: core.resumes,
         fingerprint: core.fingerprint,

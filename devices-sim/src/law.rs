@@ -35,10 +35,7 @@ impl fmt::Display for Law {
                 write!(f, "the bus tripped: {draw} drawn, {supply} supplied")
             }
             Self::PropulsionTripped { draw, supply } => {
-                write!(
-                    f,
-                    "the propulsion converter tripped: {draw} drawn, {supply} supplied"
-                )
+                write!(f, "the propulsion converter tripped: {draw} drawn, {supply} supplied")
             }
             Self::SpunUp { rate_urad_s } => {
                 write!(

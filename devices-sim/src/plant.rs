@@ -177,20 +177,12 @@ impl Plant {
     fn check_laws(&mut self) {
         let has_tripped = |supply: &Supply| supply.trips_at().is_some_and(|at| at <= self.now);
         let law = if has_tripped(&self.bus) {
-            Law::BusTripped {
-                draw: self.draw(),
-                supply: self.supply(),
-            }
+            Law::BusTripped { draw: self.draw(), supply: self.supply() }
         } else if has_tripped(&self.propulsion) {
             let supply = self.parameters.propulsion_supply;
-            Law::PropulsionTripped {
-                draw: self.propulsion_draw(),
-                supply,
-            }
+            Law::PropulsionTripped { draw: self.propulsion_draw(), supply }
         } else if self.spin.is_unrecoverable() {
-            Law::SpunUp {
-                rate_urad_s: self.spin.rate_urad_s(),
-            }
+            Law::SpunUp { rate_urad_s: self.spin.rate_urad_s() }
         } else {
             return;
         };
@@ -201,11 +193,7 @@ impl Plant {
     fn happen(&mut self) {
         self.camera.happen(self.now, &self.parameters);
         self.cutoff.happen(self.now, &self.parameters);
-        for fault in self
-            .script
-            .iter()
-            .filter(|fault| fault.happens_at() == Some(self.now))
-        {
+        for fault in self.script.iter().filter(|fault| fault.happens_at() == Some(self.now)) {
             match fault {
                 Fault::ThrusterSticksOpen { .. } => self.thruster.stick_open(),
                 Fault::CameraUpset { .. } => self.camera.upset(),
@@ -220,22 +208,14 @@ impl Plant {
     fn see(&mut self) {
         self.battery.see(self.draw(), self.generation);
         self.bus.see(self.now, self.draw(), self.supply());
-        self.propulsion.see(
-            self.now,
-            self.propulsion_draw(),
-            self.parameters.propulsion_supply,
-        );
+        self.propulsion.see(self.now, self.propulsion_draw(), self.parameters.propulsion_supply);
         self.spin.see(self.pushes(), &self.parameters);
         for device in DeviceId::ALL {
             let on = self.is_on(device);
             self.sensors.switches[device.index()].push(self.now, on);
         }
-        self.sensors
-            .cutoff_shut
-            .push(self.now, self.cutoff.is_shut());
-        self.sensors
-            .exposures
-            .push(self.now, self.camera.exposures_finished);
+        self.sensors.cutoff_shut.push(self.now, self.cutoff.is_shut());
+        self.sensors.exposures.push(self.now, self.camera.exposures_finished);
         self.sensors.spin.push(self.now, self.spin);
     }
 
@@ -254,13 +234,9 @@ impl Plant {
     }
 
     fn draw(&self) -> Milliwatts {
-        [
-            self.camera.draw(self.now),
-            self.cutoff.draw(),
-            self.propulsion_draw(),
-        ]
-        .into_iter()
-        .fold(self.parameters.base_load, Milliwatts::saturating_add)
+        [self.camera.draw(self.now), self.cutoff.draw(), self.propulsion_draw()]
+            .into_iter()
+            .fold(self.parameters.base_load, Milliwatts::saturating_add)
     }
 
     fn supply(&self) -> Milliwatts {
@@ -277,11 +253,7 @@ impl Plant {
     }
 
     fn flow(&self) -> MilligramsPerSecond {
-        if self.pushes() {
-            THRUSTER_FLOW
-        } else {
-            MilligramsPerSecond::ZERO
-        }
+        if self.pushes() { THRUSTER_FLOW } else { MilligramsPerSecond::ZERO }
     }
 
     /// A driver received a command.
@@ -304,19 +276,8 @@ impl Plant {
             _ => Duration::ZERO,
         };
         let outcome = Outcome::InProgress;
-        self.trace.push(ReceivedCommand {
-            begun: now,
-            done: None,
-            command,
-            safing,
-            by,
-            outcome,
-        });
-        Begun {
-            entry: self.trace.len() - 1,
-            time: time.saturating_add(hung),
-            failing,
-        }
+        self.trace.push(ReceivedCommand { begun: now, done: None, command, safing, by, outcome });
+        Begun { entry: self.trace.len() - 1, time: time.saturating_add(hung), failing }
     }
 
     /// The command reaches its device.
@@ -366,18 +327,9 @@ impl Plant {
     }
 
     pub(crate) fn measured_rate_urad_s(&self, now: Instant) -> Option<Measured<u64>> {
-        let (spin, since) = self
-            .sensors
-            .of_body
-            .measured_since(&self.sensors.spin, now)?;
-        let value = spin
-            .value
-            .later(spin.measured_at.since(since))
-            .rate_urad_s();
-        Some(Measured {
-            value,
-            measured_at: spin.measured_at,
-        })
+        let (spin, since) = self.sensors.of_body.measured_since(&self.sensors.spin, now)?;
+        let value = spin.value.later(spin.measured_at.since(since)).rate_urad_s();
+        Some(Measured { value, measured_at: spin.measured_at })
     }
 
     pub(crate) fn measured_cutoff_shut(&self, now: Instant) -> Option<Measured<bool>> {

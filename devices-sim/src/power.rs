@@ -13,10 +13,7 @@ pub(crate) struct Supply {
 
 impl Supply {
     pub(crate) fn new(trip_time: Duration) -> Self {
-        Self {
-            trip_time,
-            overdrawn_since: None,
-        }
+        Self { trip_time, overdrawn_since: None }
     }
 
     /// Sees the draw and the supply as they are from now on.

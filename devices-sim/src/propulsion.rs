@@ -14,9 +14,7 @@ pub(crate) struct Tank {
 
 impl Tank {
     pub(crate) fn new(parameters: &Parameters) -> Self {
-        Self {
-            left_ng: parameters.propellant.get().saturating_mul(1_000_000),
-        }
+        Self { left_ng: parameters.propellant.get().saturating_mul(1_000_000) }
     }
 
     pub(crate) fn left_ng(&self) -> u64 {
@@ -63,9 +61,7 @@ impl Spin {
 
     /// Sees whether the thruster pushes from now on.
     pub(crate) fn see(&mut self, pushes: bool, parameters: &Parameters) {
-        let acceleration = parameters
-            .thruster_torque_unm
-            .checked_div(parameters.inertia_kgm2);
+        let acceleration = parameters.thruster_torque_unm.checked_div(parameters.inertia_kgm2);
         self.acceleration_urad_s2 = u64::from(acceleration.filter(|_| pushes).unwrap_or(0));
     }
 
@@ -89,8 +85,6 @@ impl Spin {
             return None;
         }
         let missing = self.unrecoverable_prad_s.saturating_sub(self.rate_prad_s);
-        Some(now.after(Duration::from_micros(
-            missing.div_ceil(self.acceleration_urad_s2),
-        )))
+        Some(now.after(Duration::from_micros(missing.div_ceil(self.acceleration_urad_s2))))
     }
 }

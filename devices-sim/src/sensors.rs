@@ -59,9 +59,7 @@ impl Sensor {
     /// A sensor whose phase and noise come from the seed and its number.
     pub(crate) fn new(number: u64, seed: u64, parameters: &Parameters) -> Self {
         let noise = mix(seed ^ mix(number.wrapping_add(1)));
-        let phase_us = noise
-            .checked_rem(parameters.sensor_period.as_micros())
-            .unwrap_or(0);
+        let phase_us = noise.checked_rem(parameters.sensor_period.as_micros()).unwrap_or(0);
         Self {
             period: parameters.sensor_period,
             lag: parameters.sensor_lag,
@@ -80,9 +78,7 @@ impl Sensor {
     /// When the last measurement up to `instant` was made.
     fn measurement_by(&self, instant: Instant) -> Option<Instant> {
         let since_first = instant.as_micros().checked_sub(self.phase.as_micros())?;
-        let into_period = since_first
-            .checked_rem(self.period.as_micros())
-            .unwrap_or(0);
+        let into_period = since_first.checked_rem(self.period.as_micros()).unwrap_or(0);
         Some(Instant::from_micros(instant.as_micros() - into_period))
     }
 
@@ -148,11 +144,11 @@ impl Sensor {
 
 fn silent_from(device: DeviceId, script: &FaultScript, at: Instant) -> Option<Instant> {
     script.iter().find_map(|fault| match fault {
-        Fault::SensorSilent {
-            device: d,
-            from,
-            until,
-        } if d == device && from <= at && at < until => Some(from),
+        Fault::SensorSilent { device: d, from, until }
+            if d == device && from <= at && at < until =>
+        {
+            Some(from)
+        }
         _ => None,
     })
 }

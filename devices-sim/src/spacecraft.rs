@@ -45,11 +45,7 @@ impl Spacecraft {
     #[must_use]
     pub fn new(parameters: Parameters, script: FaultScript, seed: u64, clock: &SimClock) -> Self {
         let plant = Mutex::new(Plant::new(parameters, script, seed));
-        Self(Arc::new(Shared {
-            clock: clock.clone(),
-            plant,
-            taken: AtomicU8::new(0),
-        }))
+        Self(Arc::new(Shared { clock: clock.clone(), plant, taken: AtomicU8::new(0) }))
     }
 
     /// Its clock.

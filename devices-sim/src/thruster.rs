@@ -35,20 +35,10 @@ impl Kind for Thruster {
 
     fn declare(command: &ThrusterCommand) -> Declaration {
         let (code, effect) = match command {
-            ThrusterCommand::Open => (
-                1,
-                Effect::On {
-                    draw: THRUSTER_DRAW,
-                    flow: THRUSTER_FLOW,
-                },
-            ),
+            ThrusterCommand::Open => (1, Effect::On { draw: THRUSTER_DRAW, flow: THRUSTER_FLOW }),
             ThrusterCommand::Close => (2, Effect::Off),
         };
-        Declaration {
-            code,
-            wcet: COMMAND_TIME_MAX,
-            effect,
-        }
+        Declaration { code, wcet: COMMAND_TIME_MAX, effect }
     }
 
     fn profile(parameters: &Parameters) -> Profile {
@@ -77,11 +67,7 @@ impl ThrusterState {
     }
 
     pub(crate) fn draw(&self) -> Milliwatts {
-        if self.driven {
-            THRUSTER_DRAW
-        } else {
-            Milliwatts::ZERO
-        }
+        if self.driven { THRUSTER_DRAW } else { Milliwatts::ZERO }
     }
 
     pub(crate) fn react(&mut self, command: ThrusterCommand) -> Reaction {

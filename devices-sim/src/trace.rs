@@ -43,11 +43,7 @@ pub enum Outcome {
 impl fmt::Display for ReceivedCommand {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let safing = if self.safing { " (safing)" } else { "" };
-        write!(
-            f,
-            "{} {}: {:?}{safing} -> {:?}",
-            self.begun, self.by, self.command, self.outcome
-        )?;
+        write!(f, "{} {}: {:?}{safing} -> {:?}", self.begun, self.by, self.command, self.outcome)?;
         self.done.map_or(Ok(()), |done| write!(f, " at {done}"))
     }
 }

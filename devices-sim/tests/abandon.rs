@@ -11,9 +11,7 @@ use faregate_tickets::id::Priority;
 
 fn abandoned_run(seed: u64) {
     let mut threads = Interleaver::new(&SimClock::virtual_time(), seed);
-    threads.spawn("hangs", Priority::SCIENCE, || {
-        interleave::wait_until(Instant::FAR_FUTURE)
-    });
+    threads.spawn("hangs", Priority::SCIENCE, || interleave::wait_until(Instant::FAR_FUTURE));
     threads.spawn("dies", Priority::SCIENCE, || interleave::die());
     let report = threads.run(Instant::from_micros(100));
     assert_eq!(report.end_of("hangs"), Some(End::Abandoned));
@@ -22,10 +20,7 @@ fn abandoned_run(seed: u64) {
 
 #[cfg(target_os = "linux")]
 fn mappings() -> usize {
-    std::fs::read_to_string("/proc/self/maps")
-        .expect("Linux shows them")
-        .lines()
-        .count()
+    std::fs::read_to_string("/proc/self/maps").expect("Linux shows them").lines().count()
 }
 
 #[test]
@@ -40,10 +35,6 @@ fn abandoned_and_dead_bodies_say_nothing_and_leave_no_stack_behind() {
     let before = mappings();
     (1..1_000).for_each(abandoned_run);
     #[cfg(target_os = "linux")]
-    assert!(
-        mappings() < before + 20,
-        "{} mappings, {before} before",
-        mappings()
-    );
+    assert!(mappings() < before + 20, "{} mappings, {before} before", mappings());
     assert_eq!(panics.load(Ordering::Relaxed), 0, "the panic hook ran");
 }

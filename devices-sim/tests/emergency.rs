@@ -18,21 +18,14 @@ const MS: Duration = Duration::from_millis(1);
 
 fn spacecraft(seed: u64) -> Spacecraft {
     let script = FaultScript::emergency(seed);
-    Spacecraft::new(
-        Parameters::default(),
-        script,
-        seed,
-        &SimClock::virtual_time(),
-    )
+    Spacecraft::new(Parameters::default(), script, seed, &SimClock::virtual_time())
 }
 
 /// Keeps the camera on, knowing nothing else.
 fn monitor(spacecraft: &Spacecraft) {
     let camera = spacecraft.bare_camera();
     loop {
-        let seen = spacecraft
-            .estimate(DeviceId::Camera)
-            .map(|estimate| estimate.state);
+        let seen = spacecraft.estimate(DeviceId::Camera).map(|estimate| estimate.state);
         if seen != Some(Power::On) {
             let _ = camera.issue(CameraCommand::On);
         }
@@ -43,19 +36,12 @@ fn monitor(spacecraft: &Spacecraft) {
 /// Waits for the spin, turns the camera off until it is seen off, shuts the
 /// cutoff valve until it is seen shut; without authority over anybody.
 fn rescue(spacecraft: &Spacecraft) {
-    let spins = || {
-        spacecraft
-            .measured_rate_urad_s()
-            .is_some_and(|rate| rate.value > 10_000)
-    };
+    let spins = || spacecraft.measured_rate_urad_s().is_some_and(|rate| rate.value > 10_000);
     while !spins() {
         interleave::wait(MS);
     }
     while !seen_off_after(spacecraft, switch_off(spacecraft)) {}
-    while spacecraft
-        .measured_cutoff_shut()
-        .is_none_or(|shut| !shut.value)
-    {
+    while spacecraft.measured_cutoff_shut().is_none_or(|shut| !shut.value) {
         let _ = spacecraft.bare_cutoff().issue(CutoffCommand::Shut);
         interleave::wait(Duration::from_millis(70));
     }
@@ -105,15 +91,12 @@ fn an_undisturbed_rescue_saves_it_with_half_the_time_to_spare() {
     for seed in 0..300 {
         let (law, _, trace) = fly(seed, false, true);
         assert_eq!(law, None, "seed {seed}: {trace:#?}");
-        let stuck_at = FaultScript::emergency(seed)
-            .iter()
-            .find_map(|fault| match fault {
-                faregate_devices_sim::Fault::ThrusterSticksOpen { at } => Some(at),
-                _ => None,
-            });
-        let commanded = trace
-            .iter()
-            .rfind(|received| received.command == CutoffCommand::Shut.into());
+        let stuck_at = FaultScript::emergency(seed).iter().find_map(|fault| match fault {
+            faregate_devices_sim::Fault::ThrusterSticksOpen { at } => Some(at),
+            _ => None,
+        });
+        let commanded =
+            trace.iter().rfind(|received| received.command == CutoffCommand::Shut.into());
         let took = commanded.unwrap().begun.since(stuck_at.unwrap());
         assert!(took < Duration::from_millis(750), "seed {seed}: {took}");
     }
@@ -121,9 +104,8 @@ fn an_undisturbed_rescue_saves_it_with_half_the_time_to_spare() {
 
 #[test]
 fn bare_switches_and_an_unknowing_monitor_lose_it_under_some_schedules() {
-    let fates: BTreeSet<String> = (0..300)
-        .map(|seed| format!("{:?}", fly(seed, true, true).0.map(kind)))
-        .collect();
+    let fates: BTreeSet<String> =
+        (0..300).map(|seed| format!("{:?}", fly(seed, true, true).0.map(kind))).collect();
     assert!(fates.contains("Some(\"bus\")"), "{fates:?}");
 }
 
@@ -157,9 +139,7 @@ fn others_run_inside_a_command() {
     let mut threads = Interleaver::new(spacecraft.clock(), 0);
     for name in ["one", "two"] {
         threads.spawn(name, Priority::SCIENCE, || {
-            let _ = spacecraft
-                .bare_heaters()
-                .issue(faregate_devices_sim::HeatersCommand::On);
+            let _ = spacecraft.bare_heaters().issue(faregate_devices_sim::HeatersCommand::On);
         });
     }
     threads.run(END);

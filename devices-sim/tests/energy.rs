@@ -56,14 +56,8 @@ fn check(history: &[(u8, u64)], stored_uj: u64) -> Result<(), TestCaseError> {
         ..tireless()
     };
     let (generation, capacity) = (parameters.generation.get(), 2_000_000_000);
-    let spacecraft = || {
-        Spacecraft::new(
-            parameters.clone(),
-            FaultScript::new(),
-            5,
-            &SimClock::virtual_time(),
-        )
-    };
+    let spacecraft =
+        || Spacecraft::new(parameters.clone(), FaultScript::new(), 5, &SimClock::virtual_time());
     let (stepped, leapt) = (spacecraft(), spacecraft());
     for (command, gap_us) in history {
         let until = leapt.clock().now().after(Duration::from_micros(*gap_us));

@@ -67,11 +67,7 @@ fn the_same_seed_gives_the_same_run_and_others_give_others() {
         assert_eq!(busy_run(seed), busy_run(seed));
     }
     let fingerprints: HashSet<u64> = (0..50).map(|seed| busy_run(seed).0.fingerprint).collect();
-    assert!(
-        fingerprints.len() > 45,
-        "only {} different schedules",
-        fingerprints.len()
-    );
+    assert!(fingerprints.len() > 45, "only {} different schedules", fingerprints.len());
 }
 
 #[test]
@@ -170,11 +166,7 @@ fn a_lock_entered_again_by_its_own_body_refuses() {
         assert_eq!(inner, Err(Shut::Reentered));
     });
     assert_eq!(threads.run(SECOND).over, Over::Finished);
-    assert_eq!(
-        lock.with(|()| lock.with(|()| ())),
-        Ok(Err(Shut::Reentered)),
-        "outside too"
-    );
+    assert_eq!(lock.with(|()| lock.with(|()| ())), Ok(Err(Shut::Reentered)), "outside too");
 }
 
 #[test]
@@ -190,9 +182,7 @@ fn a_body_that_dies_inside_a_lock_leaves_it_and_drops_what_it_owns() {
                 interleave::die()
             });
         });
-        threads.spawn("survives", Priority::SCIENCE, || {
-            lock.with(|()| ()).unwrap()
-        });
+        threads.spawn("survives", Priority::SCIENCE, || lock.with(|()| ()).unwrap());
         let report = threads.run(SECOND);
         assert_eq!(report.over, Over::Finished);
         assert_eq!(report.end_of("dies"), Some(End::Died));
@@ -216,8 +206,7 @@ fn a_dying_body_waits_for_a_lock_in_its_destructors_while_others_run() {
         threads.spawn("dies", Priority::SCIENCE, || {
             interleave::wait_until(at(10));
             let _gives_back = OnDrop(|| {
-                lock.with(|count| assert_eq!(std::mem::replace(count, 2), 1))
-                    .unwrap();
+                lock.with(|count| assert_eq!(std::mem::replace(count, 2), 1)).unwrap();
             });
             interleave::die();
         });
@@ -254,10 +243,7 @@ fn abandoned_bodies_exclude_each_other_to_the_end() {
         }
         let report = threads.run(at(100));
         assert_eq!((report.over, report.at), (Over::Horizon, at(100)));
-        assert!(
-            report.ends.iter().all(|(_, end)| *end == End::Abandoned),
-            "{report:?}"
-        );
+        assert!(report.ends.iter().all(|(_, end)| *end == End::Abandoned), "{report:?}");
         assert_eq!(dropped.load(Ordering::Relaxed), 3);
     }
 }
@@ -291,10 +277,7 @@ fn an_abandoned_body_that_contains_its_unwinding_still_ends() {
             interleave::wait(Duration::from_micros(10));
         }
     });
-    assert_eq!(
-        threads.run(at(100)).end_of("contains"),
-        Some(End::Abandoned)
-    );
+    assert_eq!(threads.run(at(100)).end_of("contains"), Some(End::Abandoned));
 }
 
 #[test]
@@ -326,14 +309,7 @@ fn two_abandoned_bodies_in_a_deadly_embrace_are_leaked_and_reported() {
     }
     let report = threads.run(SECOND);
     assert_eq!(report.over, Over::Stalled);
-    assert_eq!(
-        report
-            .ends
-            .iter()
-            .filter(|(_, end)| *end == End::Leaked)
-            .count(),
-        2
-    );
+    assert_eq!(report.ends.iter().filter(|(_, end)| *end == End::Leaked).count(), 2);
 }
 
 #[test]
@@ -351,10 +327,7 @@ fn a_panic_in_a_body_is_the_callers_after_the_others_were_unwound() {
         });
         threads.run(SECOND);
     }));
-    assert_eq!(
-        *outcome.unwrap_err().downcast::<&str>().unwrap(),
-        "an assertion failed"
-    );
+    assert_eq!(*outcome.unwrap_err().downcast::<&str>().unwrap(), "an assertion failed");
     assert!(dropped.load(Ordering::Relaxed));
     assert!(!interleave::is_running());
 }
@@ -383,8 +356,7 @@ fn whoever_holds_a_lock_inherits_the_priority_of_who_waits_for_it() {
     });
     threads.spawn("high", Priority::EMERGENCY, || {
         interleave::wait_until(at(10));
-        lock.with(|()| high_got_it.store(true, Ordering::Relaxed))
-            .unwrap();
+        lock.with(|()| high_got_it.store(true, Ordering::Relaxed)).unwrap();
     });
     assert_eq!(threads.run(SECOND).over, Over::Finished);
 }
@@ -399,9 +371,7 @@ fn under_priorities_a_spinning_body_keeps_out_a_less_important_one() {
             interleave::switch_point("spins");
         }
     });
-    threads.spawn("would end it", Priority::LEAST, || {
-        never.lock().unwrap().set(true)
-    });
+    threads.spawn("would end it", Priority::LEAST, || never.lock().unwrap().set(true));
     assert_eq!(threads.run(SECOND).over, Over::Livelocked);
 }
 
@@ -416,9 +386,7 @@ fn a_ranked_schedule_lets_a_polling_body_see_what_it_polls_for() {
                 interleave::switch_point("polls");
             }
         });
-        threads.spawn("raises", Priority::SCIENCE, || {
-            flag.store(true, Ordering::Relaxed)
-        });
+        threads.spawn("raises", Priority::SCIENCE, || flag.store(true, Ordering::Relaxed));
         assert_eq!(threads.run(SECOND).over, Over::Finished);
     }
 }
@@ -473,11 +441,7 @@ fn two_bodies_that_look_at_each_other_let_time_pass() {
             step.with(|step| *step = 1).unwrap();
         });
         let report = threads.run(SECOND);
-        assert_eq!(
-            (report.over, report.at),
-            (Over::Finished, at(30)),
-            "seed {seed}"
-        );
+        assert_eq!((report.over, report.at), (Over::Finished, at(30)), "seed {seed}");
     }
 }
 
@@ -488,9 +452,7 @@ fn a_condition_that_never_holds_ends_at_its_deadline_or_stalls() {
         assert!(!interleave::block_on_until(at(40), || false));
         assert_eq!(interleave::now(), at(40));
     });
-    threads.spawn("for ever", Priority::SCIENCE, || {
-        interleave::block_on(|| false)
-    });
+    threads.spawn("for ever", Priority::SCIENCE, || interleave::block_on(|| false));
     let report = threads.run(SECOND);
     assert_eq!((report.over, report.at), (Over::Stalled, at(40)));
     assert_eq!(report.end_of("for ever"), Some(End::Abandoned));
@@ -504,10 +466,7 @@ fn outside_an_interleaver_a_lock_is_an_ordinary_one() {
             scope.spawn(|| (0..1_000).for_each(|_| lock.with(|count| *count += 1).unwrap()));
         }
     });
-    assert_eq!(
-        lock.with_until(Duration::ZERO, |count, _| *count),
-        Ok(4_000)
-    );
+    assert_eq!(lock.with_until(Duration::ZERO, |count, _| *count), Ok(4_000));
 }
 
 struct OnDrop<F: FnMut()>(F);

@@ -45,26 +45,15 @@ fn camera_and_cutoff_coil_together_trip_the_bus_after_exactly_the_trip_time() {
     pass(&spacecraft, 5);
     assert_eq!(spacecraft.broken_law(), None, "borne for the trip time");
     pass(&spacecraft, 1);
-    let law = Law::BusTripped {
-        draw: Milliwatts::from_watts(145),
-        supply: Milliwatts::from_watts(125),
-    };
-    assert_eq!(
-        spacecraft.broken_law(),
-        Some((overdrawn.after(Duration::from_micros(5_001)), law))
-    );
-    assert_eq!(
-        law.to_string(),
-        "the bus tripped: 145000 mW drawn, 125000 mW supplied"
-    );
+    let law =
+        Law::BusTripped { draw: Milliwatts::from_watts(145), supply: Milliwatts::from_watts(125) };
+    assert_eq!(spacecraft.broken_law(), Some((overdrawn.after(Duration::from_micros(5_001)), law)));
+    assert_eq!(law.to_string(), "the bus tripped: 145000 mW drawn, 125000 mW supplied");
 }
 
 #[test]
 fn an_overdraw_that_ends_with_the_trip_time_does_not_trip_and_the_next_starts_anew() {
-    let parameters = Parameters {
-        cutoff_pulse: Duration::from_millis(5),
-        ..Parameters::default()
-    };
+    let parameters = Parameters { cutoff_pulse: Duration::from_millis(5), ..Parameters::default() };
     let spacecraft = Spacecraft::new(parameters, FaultScript::new(), 1, &SimClock::virtual_time());
     camera_on(&spacecraft);
     pass(&spacecraft, 100);
@@ -98,10 +87,7 @@ fn a_camera_that_was_just_switched_off_still_draws_enough_to_trip_the_bus() {
     assert!(!spacecraft.truth().camera_on);
     spacecraft.bare_cutoff().issue(CutoffCommand::Shut).unwrap();
     pass(&spacecraft, 10);
-    assert!(matches!(
-        spacecraft.broken_law(),
-        Some((_, Law::BusTripped { .. }))
-    ));
+    assert!(matches!(spacecraft.broken_law(), Some((_, Law::BusTripped { .. }))));
 }
 
 #[test]
@@ -113,10 +99,7 @@ fn the_cameras_inrush_is_within_what_it_declares_and_passes() {
     let inrush = spacecraft.truth().draw.saturating_sub(base);
     assert_eq!(inrush, driver.profile().draw);
     pass(&spacecraft, 5);
-    assert_eq!(
-        spacecraft.truth().draw.saturating_sub(base),
-        Milliwatts::from_watts(30)
-    );
+    assert_eq!(spacecraft.truth().draw.saturating_sub(base), Milliwatts::from_watts(30));
 }
 
 /// At 0.1 rad/s in a second, 0.15 rad/s are reached in exactly 1.5 s.
@@ -128,16 +111,10 @@ fn a_stuck_thruster_spins_up_beyond_recovery_at_the_computed_instant() {
     assert_eq!(spacecraft.broken_law(), None);
     assert_eq!(spacecraft.truth().rate_urad_s, 149_999);
     spacecraft.advance_to(ms(60_000));
-    let law = Law::SpunUp {
-        rate_urad_s: 150_000,
-    };
+    let law = Law::SpunUp { rate_urad_s: 150_000 };
     assert_eq!(spacecraft.broken_law(), Some((ms(2_000), law)));
     assert_eq!(law.to_string(), "spun up beyond recovery: 0.150 rad/s");
-    assert_eq!(
-        spacecraft.truth().at,
-        ms(2_000),
-        "physics ends with the loss"
-    );
+    assert_eq!(spacecraft.truth().at, ms(2_000), "physics ends with the loss");
 }
 
 #[test]
@@ -155,11 +132,7 @@ fn closing_a_stuck_thruster_does_nothing_and_the_cutoff_valve_stops_it() {
     let truth = spacecraft.truth();
     assert_eq!(spacecraft.broken_law(), None);
     let pushed_us = shut_at.since(STUCK_AT).as_micros();
-    assert_eq!(
-        truth.rate_urad_s,
-        pushed_us / 10,
-        "0.1 urad/s in each microsecond"
-    );
+    assert_eq!(truth.rate_urad_s, pushed_us / 10, "0.1 urad/s in each microsecond");
     assert_eq!(truth.propellant_ng, 5_000_000_000_000 - 463 * pushed_us);
 }
 
@@ -203,10 +176,7 @@ fn heaters_and_thruster_valve_together_trip_the_propulsion_converter() {
     spacecraft.bare_heaters().issue(HeatersCommand::On).unwrap();
     pass(&spacecraft, 100);
     assert_eq!(spacecraft.broken_law(), None);
-    spacecraft
-        .bare_thruster()
-        .issue(ThrusterCommand::Open)
-        .unwrap();
+    spacecraft.bare_thruster().issue(ThrusterCommand::Open).unwrap();
     pass(&spacecraft, 6);
     let law = Law::PropulsionTripped {
         draw: Milliwatts::from_watts(20),
@@ -222,20 +192,15 @@ fn heaters_then_thruster_valve_trip_nothing() {
     heaters.issue(HeatersCommand::On).unwrap();
     pass(&spacecraft, 100);
     heaters.issue(HeatersCommand::Off).unwrap();
-    spacecraft
-        .bare_thruster()
-        .issue(ThrusterCommand::Open)
-        .unwrap();
+    spacecraft.bare_thruster().issue(ThrusterCommand::Open).unwrap();
     pass(&spacecraft, 100);
     assert_eq!(spacecraft.broken_law(), None);
 }
 
 #[test]
 fn the_camera_fails_to_switch_off_as_often_as_scripted_and_its_driver_cannot_tell() {
-    let spacecraft = with_faults(FaultScript::new().with(Fault::CameraOffFails {
-        from: ms(10),
-        attempts: 2,
-    }));
+    let spacecraft =
+        with_faults(FaultScript::new().with(Fault::CameraOffFails { from: ms(10), attempts: 2 }));
     let camera = camera_on(&spacecraft);
     camera.issue(CameraCommand::Off).unwrap();
     assert!(!spacecraft.truth().camera_on, "the fault has not begun");
@@ -256,24 +221,14 @@ fn an_upset_switches_the_camera_off_and_ends_its_exposure() {
     assert!(spacecraft.truth().camera_on);
     spacecraft.advance_to(ms(1_000));
     let truth = spacecraft.truth();
-    assert_eq!(
-        (
-            truth.camera_on,
-            truth.exposures_finished,
-            truth.exposures_lost
-        ),
-        (false, 0, 1)
-    );
+    assert_eq!((truth.camera_on, truth.exposures_finished, truth.exposures_lost), (false, 0, 1));
     camera.issue(CameraCommand::On).unwrap();
     assert!(spacecraft.truth().camera_on, "it can be turned on again");
 }
 
 #[test]
 fn an_exposure_counts_if_it_ends_by_its_deadline() {
-    let parameters = Parameters {
-        exposure_deadline: ms(1_000),
-        ..Parameters::default()
-    };
+    let parameters = Parameters { exposure_deadline: ms(1_000), ..Parameters::default() };
     let spacecraft = Spacecraft::new(parameters, FaultScript::new(), 1, &SimClock::virtual_time());
     let camera = camera_on(&spacecraft);
     camera.issue(CameraCommand::Expose).unwrap();
@@ -288,10 +243,7 @@ fn an_exposure_counts_if_it_ends_by_its_deadline() {
 
 #[test]
 fn an_estimate_is_of_a_moment_at_least_the_lag_ago_and_at_most_a_period_more() {
-    let parameters = Parameters {
-        sensor_unknown_permille: 0,
-        ..Parameters::default()
-    };
+    let parameters = Parameters { sensor_unknown_permille: 0, ..Parameters::default() };
     for seed in 0..20 {
         let spacecraft = Spacecraft::new(
             parameters.clone(),
@@ -299,11 +251,7 @@ fn an_estimate_is_of_a_moment_at_least_the_lag_ago_and_at_most_a_period_more() {
             seed,
             &SimClock::virtual_time(),
         );
-        assert_eq!(
-            spacecraft.estimate(DeviceId::Camera),
-            None,
-            "nothing has arrived"
-        );
+        assert_eq!(spacecraft.estimate(DeviceId::Camera), None, "nothing has arrived");
         spacecraft.advance_to(ms(100));
         camera_on(&spacecraft);
         let on_at = spacecraft.clock().now();
@@ -311,18 +259,8 @@ fn an_estimate_is_of_a_moment_at_least_the_lag_ago_and_at_most_a_period_more() {
             spacecraft.advance_to(spacecraft.clock().now().after(Duration::from_micros(313)));
             let Estimate { state, measured_at } = spacecraft.estimate(DeviceId::Camera).unwrap();
             let age = spacecraft.clock().now().since(measured_at);
-            assert!(
-                Duration::from_millis(20) <= age && age < Duration::from_millis(25),
-                "{age}"
-            );
-            assert_eq!(
-                state,
-                if measured_at < on_at {
-                    Power::Off
-                } else {
-                    Power::On
-                }
-            );
+            assert!(Duration::from_millis(20) <= age && age < Duration::from_millis(25), "{age}");
+            assert_eq!(state, if measured_at < on_at { Power::Off } else { Power::On });
         }
     }
 }
@@ -340,10 +278,7 @@ fn an_estimate_does_not_depend_on_who_asked_before() {
         let _ = (asked.estimate(DeviceId::Camera), asked.truth());
     }
     left_alone.advance_to(ms(600));
-    assert_eq!(
-        asked.estimate(DeviceId::Camera),
-        left_alone.estimate(DeviceId::Camera)
-    );
+    assert_eq!(asked.estimate(DeviceId::Camera), left_alone.estimate(DeviceId::Camera));
     assert_eq!(asked.truth(), left_alone.truth());
 }
 
@@ -359,19 +294,12 @@ fn some_measurements_say_nothing_and_none_lies() {
             Power::On => panic!("the heaters were never on"),
         }
     }
-    assert!(
-        (100..300).contains(&unknown),
-        "{unknown} of 10000, where 2 % were meant"
-    );
+    assert!((100..300).contains(&unknown), "{unknown} of 10000, where 2 % were meant");
 }
 
 #[test]
 fn a_silent_sensors_last_estimate_grows_old() {
-    let silent = Fault::SensorSilent {
-        device: DeviceId::Camera,
-        from: ms(100),
-        until: ms(400),
-    };
+    let silent = Fault::SensorSilent { device: DeviceId::Camera, from: ms(100), until: ms(400) };
     let spacecraft = with_faults(FaultScript::new().with(silent));
     camera_on(&spacecraft);
     spacecraft.advance_to(ms(410));
@@ -379,26 +307,16 @@ fn a_silent_sensors_last_estimate_grows_old() {
     assert!(ms(95) <= old && old < ms(100), "{old}");
     spacecraft.advance_to(ms(426));
     assert!(spacecraft.estimate(DeviceId::Camera).unwrap().measured_at >= ms(400));
-    assert!(
-        spacecraft.estimate(DeviceId::Heaters).unwrap().measured_at >= ms(400),
-        "others speak"
-    );
+    assert!(spacecraft.estimate(DeviceId::Heaters).unwrap().measured_at >= ms(400), "others speak");
 }
 
 #[test]
 fn a_blind_sensor_says_unknown() {
-    let blind = Fault::SensorBlind {
-        device: DeviceId::Camera,
-        from: ms(100),
-        until: ms(400),
-    };
+    let blind = Fault::SensorBlind { device: DeviceId::Camera, from: ms(100), until: ms(400) };
     let spacecraft = with_faults(FaultScript::new().with(blind));
     for at in [130, 200, 300, 410] {
         spacecraft.advance_to(ms(at));
-        assert_eq!(
-            spacecraft.estimate(DeviceId::Camera).unwrap().state,
-            Power::Unknown
-        );
+        assert_eq!(spacecraft.estimate(DeviceId::Camera).unwrap().state, Power::Unknown);
     }
 }
 
@@ -416,21 +334,14 @@ fn the_measured_rate_is_the_rate_at_the_measurement() {
 
 #[test]
 fn a_falling_supply_trips_the_bus_under_a_load_that_it_carried() {
-    let script = FaultScript::new().with(Fault::GenerationFalls {
-        at: ms(300),
-        to: Milliwatts::from_watts(70),
-    });
+    let script = FaultScript::new()
+        .with(Fault::GenerationFalls { at: ms(300), to: Milliwatts::from_watts(70) });
     let spacecraft = with_faults(script);
     camera_on(&spacecraft);
     spacecraft.advance_to(ms(1_000));
-    let law = Law::BusTripped {
-        draw: Milliwatts::from_watts(100),
-        supply: Milliwatts::from_watts(95),
-    };
-    assert_eq!(
-        spacecraft.broken_law(),
-        Some((Instant::from_micros(305_001), law))
-    );
+    let law =
+        Law::BusTripped { draw: Milliwatts::from_watts(100), supply: Milliwatts::from_watts(95) };
+    assert_eq!(spacecraft.broken_law(), Some((Instant::from_micros(305_001), law)));
 }
 
 #[test]
@@ -448,14 +359,9 @@ fn a_flat_battery_leaves_the_generator_alone_with_the_load() {
         (Milliwatts::from_watts(75), 20_000)
     );
     spacecraft.advance_to(ms(100));
-    let law = Law::BusTripped {
-        draw: Milliwatts::from_watts(70),
-        supply: Milliwatts::from_watts(50),
-    };
-    assert_eq!(
-        spacecraft.broken_law(),
-        Some((Instant::from_micros(7_001), law))
-    );
+    let law =
+        Law::BusTripped { draw: Milliwatts::from_watts(70), supply: Milliwatts::from_watts(50) };
+    assert_eq!(spacecraft.broken_law(), Some((Instant::from_micros(7_001), law)));
     assert_eq!(spacecraft.truth().stored(), Microjoules::ZERO);
 }
 
@@ -470,11 +376,7 @@ fn an_empty_tank_ends_the_push_short_of_the_loss() {
     spacecraft.advance_to(ms(60_000));
     assert_eq!(spacecraft.broken_law(), None);
     let truth = spacecraft.truth();
-    assert_eq!(
-        (truth.rate_urad_s, truth.propellant_ng),
-        (100_000, 0),
-        "one second's worth"
-    );
+    assert_eq!((truth.rate_urad_s, truth.propellant_ng), (100_000, 0), "one second's worth");
 }
 
 #[test]
@@ -489,28 +391,16 @@ fn there_is_one_driver_for_each_device() {
 
 #[test]
 fn every_command_is_traced_with_its_time_source_and_outcome() {
-    let fails = |nth, how| Fault::CommandFails {
-        device: DeviceId::Camera,
-        nth,
-        how,
-    };
-    let script = FaultScript::new()
-        .with(fails(3, Failing::Faults))
-        .with(fails(4, Failing::Panics));
+    let fails = |nth, how| Fault::CommandFails { device: DeviceId::Camera, nth, how };
+    let script = FaultScript::new().with(fails(3, Failing::Faults)).with(fails(4, Failing::Panics));
     let spacecraft = with_faults(script);
     let mut camera = spacecraft.camera_driver().unwrap();
     spacecraft.advance_to(ms(10));
     camera.issue(CameraCommand::On).unwrap();
     camera.issue(CameraCommand::On).unwrap();
-    assert_eq!(
-        camera.issue(CameraCommand::Off),
-        Err(DriverFault {
-            device: DeviceId::Camera
-        })
-    );
-    let unwinds = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
-        camera.issue(CameraCommand::Off)
-    }));
+    assert_eq!(camera.issue(CameraCommand::Off), Err(DriverFault { device: DeviceId::Camera }));
+    let unwinds =
+        std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| camera.issue(CameraCommand::Off)));
     assert!(unwinds.is_err());
     camera.safe().unwrap();
     let trace = spacecraft.trace();
@@ -521,14 +411,8 @@ fn every_command_is_traced_with_its_time_source_and_outcome() {
     assert!(trace.is_sorted_by_key(|received| received.begun));
     for received in &trace {
         let time = received.done.unwrap().since(received.begun);
-        assert!(
-            Duration::from_micros(250) <= time && time <= Duration::from_millis(1),
-            "{time}"
-        );
-        assert_eq!(
-            received.by,
-            "every_command_is_traced_with_its_time_source_and_outcome"
-        );
+        assert!(Duration::from_micros(250) <= time && time <= Duration::from_millis(1), "{time}");
+        assert_eq!(received.by, "every_command_is_traced_with_its_time_source_and_outcome");
         assert_eq!(received.command.device(), DeviceId::Camera);
     }
     assert!(trace[4].safing && !trace[0].safing);
@@ -537,9 +421,7 @@ fn every_command_is_traced_with_its_time_source_and_outcome() {
 
 #[test]
 fn a_command_that_hangs_reaches_its_device_late() {
-    let hangs = Failing::Hangs {
-        lasting: Duration::from_millis(300),
-    };
+    let hangs = Failing::Hangs { lasting: Duration::from_millis(300) };
     let spacecraft = with_faults(FaultScript::new().with(Fault::CommandFails {
         device: DeviceId::Camera,
         nth: 1,
@@ -562,12 +444,8 @@ fn a_command_after_the_loss_comes_too_late() {
 
 #[test]
 fn in_real_time_the_same_spacecraft_follows_the_machines_clock() {
-    let spacecraft = Spacecraft::new(
-        Parameters::default(),
-        FaultScript::new(),
-        1,
-        &SimClock::real_time(),
-    );
+    let spacecraft =
+        Spacecraft::new(Parameters::default(), FaultScript::new(), 1, &SimClock::real_time());
     let before = spacecraft.clock().now();
     camera_on(&spacecraft);
     let took = spacecraft.clock().now().since(before);

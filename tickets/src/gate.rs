@@ -16,13 +16,13 @@ use crate::refusal::{InvokeError, Refusal};
 use crate::sync::{AtomicUsize, Ordering};
 use crate::telemetry::Telemetry;
 
-use inside::Inside;
 pub use control::{Admission, Blocked, Safed, Vacated};
+use inside::Inside;
 pub use key::{Handle, Key, KeyOf};
 
 /// Owns the driver of one command group.
 ///
-/// A gate yields its [`Key`] once: [`split`](Gate::split) borrows it mutably
+/// A gate yields its [`Key`] once: [`key`](Gate::key) borrows it mutably
 /// for as long as the key lives. Only the key makes tickets, admits a tenant
 /// and issues safing commands.
 ///
@@ -226,7 +226,10 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
         inside.validity.check(&ask).map_err(Refusal::Denied)?;
         self.interlock_agrees(inside, effect)?;
         inside.validity.commit(&ask);
-        inside.may_be_on |= matches!(effect, Effect::On { .. });
+        if let Effect::On { .. } = effect {
+            inside.may_be_on = true;
+            inside.turned_on = now;
+        }
         Ok(())
     }
 
@@ -246,7 +249,12 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
         Ok(())
     }
 
-    fn check_duration(&self, inside: &mut Inside<D, P>, started: Instant, wcet: crate::clock::Duration) {
+    fn check_duration(
+        &self,
+        inside: &mut Inside<D, P>,
+        started: Instant,
+        wcet: crate::clock::Duration,
+    ) {
         let took = inside.now().since(started);
         if took > wcet.saturating_mul(u64::from(self.profile.overrun_factor.max(1))) {
             inside.close(&self.published, GateFault::Overran);

@@ -57,20 +57,14 @@ impl Interlock {
     /// [`NoPlace`] when there is no such place, or another gate has it: two
     /// gates with one bit would withdraw each other's announcements.
     pub fn member(&self, side: Side, place: u8) -> Result<Member<'_>, NoPlace> {
-        let bit = 1_usize
-            .checked_shl(u32::from(place))
-            .ok_or(NoPlace::Unknown { place })?;
+        let bit = 1_usize.checked_shl(u32::from(place)).ok_or(NoPlace::Unknown { place })?;
         // Relaxed: only the value is asked for; nothing is published by it.
         let before = side.of(&self.taken).fetch_or(bit, Ordering::Relaxed);
         if before & bit != 0 {
             return Err(NoPlace::Taken { place });
         }
         let own = side.of(&self.may_be_on);
-        Ok(Member {
-            own,
-            other: side.opposite().of(&self.may_be_on),
-            bit,
-        })
+        Ok(Member { own, other: side.opposite().of(&self.may_be_on), bit })
     }
 }
 
@@ -238,13 +232,7 @@ mod tests {
         let interlock = Interlock::default();
         assert!(interlock.member(Side::A, 3).is_ok());
         assert!(interlock.member(Side::B, 3).is_ok());
-        assert_eq!(
-            interlock.member(Side::A, 3).err(),
-            Some(NoPlace::Taken { place: 3 })
-        );
-        assert_eq!(
-            interlock.member(Side::A, 255).err(),
-            Some(NoPlace::Unknown { place: 255 })
-        );
+        assert_eq!(interlock.member(Side::A, 3).err(), Some(NoPlace::Taken { place: 3 }));
+        assert_eq!(interlock.member(Side::A, 255).err(), Some(NoPlace::Unknown { place: 255 }));
     }
 }

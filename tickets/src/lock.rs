@@ -65,7 +65,11 @@ pub trait Exclusion<T> {
     ///
     /// # Errors
     /// [`Shut::Reentered`], or [`Shut::TimedOut`].
-    fn with_until<R>(&self, timeout: Duration, f: impl FnOnce(&mut T, Owner) -> R) -> Result<R, Shut>;
+    fn with_until<R>(
+        &self,
+        timeout: Duration,
+        f: impl FnOnce(&mut T, Owner) -> R,
+    ) -> Result<R, Shut>;
 }
 
 /// Why a critical section was not entered.

@@ -100,10 +100,7 @@ impl Default for Telemetry {
     }
 }
 
-const _: () = assert!(
-    CHANNELS.is_power_of_two(),
-    "channels are selected by a mask"
-);
+const _: () = assert!(CHANNELS.is_power_of_two(), "channels are selected by a mask");
 const _: () = assert!(usize::BITS >= 32, "a word holds a value, or half of a time");
 
 /// What a channel holds.
@@ -123,11 +120,7 @@ impl Channel {
     /// The channel with this number, if there is one below [`CHANNELS`].
     #[must_use]
     pub const fn new(number: u8) -> Option<Self> {
-        if (number as usize) < CHANNELS {
-            Some(Self(number))
-        } else {
-            None
-        }
+        if (number as usize) < CHANNELS { Some(Self(number)) } else { None }
     }
 }
 
@@ -139,11 +132,7 @@ impl Mode {
     /// The mode with this number, if there is one below [`MODES`].
     #[must_use]
     pub const fn new(number: u8) -> Option<Self> {
-        if number < MODES {
-            Some(Self(number))
-        } else {
-            None
-        }
+        if number < MODES { Some(Self(number)) } else { None }
     }
 }
 
@@ -212,8 +201,7 @@ impl Slot {
     fn put(&self, value: i32, measured_at: Instant) {
         let micros = measured_at.as_micros();
         // Relaxed: the next store publishes it, and seeing it early does no harm.
-        self.value
-            .store(word(u64::from(value.cast_unsigned())), Ordering::Relaxed);
+        self.value.store(word(u64::from(value.cast_unsigned())), Ordering::Relaxed);
         // Publishes the value; pairs with the load in `measured_at`.
         self.low.store(word(micros & LOW), Ordering::Release);
         // Publishes the low half; pairs with the load in `measured_at`.
@@ -224,10 +212,7 @@ impl Slot {
         let measured_at = self.measured_at()?;
         // Relaxed: after the Acquire of the low half, which is what it goes with.
         let value = low_half(self.value.load(Ordering::Relaxed)).cast_signed();
-        Some(Reading {
-            value,
-            age: now.since(measured_at),
-        })
+        Some(Reading { value, age: now.since(measured_at) })
     }
 
     fn measured_at(&self) -> Option<Instant> {
@@ -303,13 +288,7 @@ mod tests {
         table.publish(channel(0), 1, at(HALF));
         table.publish(channel(0), 2, at(HALF - 1));
         let read = table.read(channel(0), at(HALF));
-        assert_eq!(
-            read,
-            Some(Reading {
-                value: 1,
-                age: Duration::ZERO
-            })
-        );
+        assert_eq!(read, Some(Reading { value: 1, age: Duration::ZERO }));
     }
 
     #[test]

@@ -102,9 +102,7 @@ impl Validity {
     /// No limit at all.
     #[must_use]
     pub const fn always() -> Self {
-        Self {
-            functions: [Function::always(); MAX_FUNCTIONS],
-        }
+        Self { functions: [Function::always(); MAX_FUNCTIONS] }
     }
 
     /// Agrees when all of `functions` do.
@@ -113,9 +111,7 @@ impl Validity {
     /// [`TooManyFunctions`] when more than [`MAX_FUNCTIONS`] of them limit
     /// anything.
     pub fn all_of(functions: &[Function]) -> Result<Self, TooManyFunctions> {
-        functions
-            .iter()
-            .try_fold(Self::always(), |joined, function| joined.and(*function))
+        functions.iter().try_fold(Self::always(), |joined, function| joined.and(*function))
     }
 
     /// Agrees when this validity and `function` do.
@@ -126,10 +122,7 @@ impl Validity {
         if function == Function::always() {
             return Ok(self);
         }
-        let free = self
-            .functions
-            .iter_mut()
-            .find(|place| **place == Function::always());
+        let free = self.functions.iter_mut().find(|place| **place == Function::always());
         *free.ok_or(TooManyFunctions)? = function;
         Ok(self)
     }
@@ -156,10 +149,7 @@ impl Validity {
     /// How long its holder may be silent, where a lease says so.
     #[must_use]
     pub fn lease(&self) -> Option<Duration> {
-        self.functions
-            .iter()
-            .filter_map(Function::lease_period)
-            .min()
+        self.functions.iter().filter_map(Function::lease_period).min()
     }
 
     /// Whether the gate has to ask its interlock before a command that turns
@@ -173,10 +163,7 @@ impl Validity {
     /// rested enough.
     #[must_use]
     pub fn rests_until(&self) -> Option<Instant> {
-        self.functions
-            .iter()
-            .filter_map(Function::rests_until)
-            .max()
+        self.functions.iter().filter_map(Function::rests_until).max()
     }
 
     /// The ticket became valid, for the first time or again: its lease starts
@@ -281,9 +268,7 @@ impl Validity {
 impl From<Function> for Validity {
     fn from(function: Function) -> Self {
         let always = Function::always();
-        Self {
-            functions: [function, always, always, always],
-        }
+        Self { functions: [function, always, always, always] }
     }
 }
 
@@ -296,9 +281,7 @@ fn earlier(one: Option<Instant>, other: Option<Instant>) -> Option<Instant> {
 
 fn graver(one: Option<RanOut>, other: Option<RanOut>) -> Option<RanOut> {
     match one {
-        Some(RanOut {
-            ends_ticket: false, ..
-        }) => other.or(one),
+        Some(RanOut { ends_ticket: false, .. }) => other.or(one),
         _ => one.or(other),
     }
 }

@@ -1,9 +1,6 @@
 //! What every gate strategy keeps, and what the priority-inheriting one keeps
 //! beyond that: boosts, deaths, deadlocks.
-#![expect(
-    clippy::unwrap_used,
-    reason = "what a test needs and does not get fails the test"
-)]
+#![expect(clippy::unwrap_used, reason = "what a test needs and does not get fails the test")]
 
 #[path = "locks/sys.rs"]
 mod sys;
@@ -106,19 +103,10 @@ fn a_closure_that_unwinds_leaves_the_lock_usable<L: Lock>() {
     let unwind = || resume_unwind(Box::new("gone"));
     assert!(catch_unwind(AssertUnwindSafe(|| lock.with(|_| unwind()))).is_err());
     assert!(catch_unwind(AssertUnwindSafe(|| lock.try_with(|_| unwind()))).is_err());
-    assert!(
-        catch_unwind(AssertUnwindSafe(
-            || lock.with_until(PATIENCE, |_, _| unwind())
-        ))
-        .is_err()
-    );
+    assert!(catch_unwind(AssertUnwindSafe(|| lock.with_until(PATIENCE, |_, _| unwind()))).is_err());
     assert_eq!(lock.try_with(|value| *value), Ok(7), "for this thread");
     let other = thread::spawn(move || lock.with_until(PATIENCE, |value, owner| (*value, owner)));
-    assert_eq!(
-        other.join().unwrap(),
-        Ok((7, Owner::Sound)),
-        "and for another"
-    );
+    assert_eq!(other.join().unwrap(), Ok((7, Owner::Sound)), "and for another");
 }
 
 fn trying_a_busy_lock_says_so<L: Lock>() {
@@ -130,23 +118,14 @@ fn trying_a_busy_lock_says_so<L: Lock>() {
 fn a_wait_ends_at_its_timeout<L: Lock>() {
     let lock = L::new(0);
     while_another_is_inside(&lock, || {
-        for timeout in [
-            Duration::ZERO,
-            Duration::from_millis(30),
-            Duration::from_micros(1_000_001),
-        ] {
+        for timeout in [Duration::ZERO, Duration::from_millis(30), Duration::from_micros(1_000_001)]
+        {
             let start = Instant::now();
             assert_eq!(lock.with_until(timeout, |_, _| ()), Err(Shut::TimedOut));
-            assert!(
-                Duration::from(start.elapsed()) >= timeout,
-                "not after {timeout}"
-            );
+            assert!(Duration::from(start.elapsed()) >= timeout, "not after {timeout}");
         }
     });
-    assert_eq!(
-        lock.with_until(Duration::ZERO, |_, owner| owner),
-        Ok(Owner::Sound)
-    );
+    assert_eq!(lock.with_until(Duration::ZERO, |_, owner| owner), Ok(Owner::Sound));
 }
 
 fn a_wait_ends_when_the_lock_is_left<L: Lock>() {
@@ -184,10 +163,7 @@ fn an_uncontended_section_asks_the_kernel_nothing() {
         let lock = Pi::new(0);
         assert_eq!(lock.with(|_| lock.with(|_| ())), Ok(Err(Shut::Reentered)));
         assert_eq!(lock.try_with(|_| ()), Ok(()));
-        assert_eq!(
-            lock.with_until(PATIENCE, |_, owner| owner),
-            Ok(Owner::Sound)
-        );
+        assert_eq!(lock.with_until(PATIENCE, |_, owner| owner), Ok(Owner::Sound));
     });
 }
 
@@ -207,10 +183,7 @@ fn before_linux_5_14_a_wait_ends_at_its_timeout_too() {
     while_another_is_inside(lock, || {
         without(&[libc::FUTEX_LOCK_PI2], libc::ENOSYS, || {
             let start = Instant::now();
-            assert_eq!(
-                lock.with_until(Duration::from_millis(50), |_, _| ()),
-                Err(Shut::TimedOut)
-            );
+            assert_eq!(lock.with_until(Duration::from_millis(50), |_, _| ()), Err(Shut::TimedOut));
             let waited = Duration::from(start.elapsed());
             // The wall clock may be slewed against the monotonic one.
             assert!(waited >= Duration::from_millis(45), "only {waited}");
@@ -221,9 +194,7 @@ fn before_linux_5_14_a_wait_ends_at_its_timeout_too() {
 #[test]
 fn a_kernel_without_such_a_futex_is_known_at_start_up() {
     assert!(PiLocked::<sys::Kernel>::is_supported());
-    without(sys::PI_OPERATIONS, libc::ENOSYS, || {
-        assert!(!PiLocked::<sys::Kernel>::is_supported())
-    });
+    without(sys::PI_OPERATIONS, libc::ENOSYS, || assert!(!PiLocked::<sys::Kernel>::is_supported()));
 }
 
 #[test]
@@ -232,11 +203,7 @@ fn a_death_inside_that_nobody_awaits_is_told_to_each_later_caller() {
     let (dying, die) = doomed(lock);
     drop(die);
     wait_until_gone(dying);
-    assert_eq!(
-        lock.try_with(|_| ()),
-        Err(Shut::Busy),
-        "noticed by who waits"
-    );
+    assert_eq!(lock.try_with(|_| ()), Err(Shut::Busy), "noticed by who waits");
     assert_is_shut_by_death(lock);
 }
 
@@ -246,10 +213,7 @@ fn a_death_inside_is_told_to_a_wait_without_any_time() {
     let (dying, die) = doomed(lock);
     drop(die);
     wait_until_gone(dying);
-    assert_eq!(
-        lock.with_until(Duration::ZERO, |_, owner| owner),
-        Ok(Owner::Died)
-    );
+    assert_eq!(lock.with_until(Duration::ZERO, |_, owner| owner), Ok(Owner::Died));
     assert_is_shut_by_death(lock);
 }
 
@@ -304,10 +268,7 @@ fn while_cpu_0_is_hogged<R>(f: impl FnOnce() -> R) -> R {
             hogged.store(true, Ordering::Relaxed);
             let start = Instant::now();
             while !stop.load(Ordering::Relaxed) {
-                assert!(
-                    Duration::from(start.elapsed()) < PATIENCE,
-                    "the hog was forgotten"
-                );
+                assert!(Duration::from(start.elapsed()) < PATIENCE, "the hog was forgotten");
             }
         });
         poll(|| hogged.load(Ordering::Relaxed), "never hogged the CPU");
@@ -415,10 +376,7 @@ fn assert_is_shut_by_death(lock: &Pi) {
     for _ in 0..2 {
         assert_eq!(lock.with(|_| ()), Err(Shut::OwnerDied));
         assert_eq!(lock.try_with(|_| ()), Err(Shut::OwnerDied));
-        assert_eq!(
-            lock.with_until(PATIENCE, |value, owner| (*value, owner)),
-            Ok((7, Owner::Died))
-        );
+        assert_eq!(lock.with_until(PATIENCE, |value, owner| (*value, owner)), Ok((7, Owner::Died)));
     }
 }
 

@@ -33,26 +33,15 @@ fn on(draw: u64) -> Effect {
 }
 
 fn ask(now: u64, effect: Effect) -> Ask<'static> {
-    Ask {
-        now: at(now),
-        effect,
-        telemetry: None,
-    }
+    Ask { now: at(now), effect, telemetry: None }
 }
 
 fn denial(rule: Rule, short_by: u64, until: Option<u64>) -> Result<(), Denial> {
-    Err(Denial {
-        rule,
-        short_by,
-        until: until.map(at),
-    })
+    Err(Denial { rule, short_by, until: until.map(at) })
 }
 
 fn over(rule: Rule) -> Option<RanOut> {
-    Some(RanOut {
-        rule,
-        ends_ticket: true,
-    })
+    Some(RanOut { rule, ends_ticket: true })
 }
 
 /// What a gate does with a command: check, and only then commit.
@@ -77,10 +66,7 @@ mod joining {
         let mut always = Validity::all_of(&[]).unwrap();
         assert_eq!(always, Validity::always());
         assert_eq!(invoke(&mut always, u64::MAX, on(u64::MAX)), Ok(()));
-        assert_eq!(
-            (always.ran_out(at(u64::MAX)), always.look_again_at(at(0))),
-            (None, None)
-        );
+        assert_eq!((always.ran_out(at(u64::MAX)), always.look_again_at(at(0))), (None, None));
         assert_eq!((always.lease(), always.has_interlock()), (None, false));
     }
 
@@ -91,10 +77,7 @@ mod joining {
             let mut functions = [others; 4];
             functions[place] = Function::invocations(0);
             let validity = Validity::all_of(&functions).unwrap();
-            assert_eq!(
-                validity.check(&ask(1, on(W))),
-                denial(Rule::Invocations, 1, None)
-            );
+            assert_eq!(validity.check(&ask(1, on(W))), denial(Rule::Invocations, 1, None));
         }
     }
 
@@ -117,10 +100,7 @@ mod joining {
         let four = Validity::all_of(&[Function::invocations(1); 4]).unwrap();
         assert_eq!(four.and(Function::invocations(1)), Err(TooManyFunctions));
         assert_eq!(four.and(Function::always()), Ok(four));
-        assert_eq!(
-            Validity::all_of(&[Function::invocations(1); 5]),
-            Err(TooManyFunctions)
-        );
+        assert_eq!(Validity::all_of(&[Function::invocations(1); 5]), Err(TooManyFunctions));
     }
 
     #[test]
@@ -137,10 +117,7 @@ mod joining {
     #[test]
     fn two_budgets_leave_what_the_tighter_one_leaves() {
         let budgets = [10, 7].map(|uj| Function::energy(Microjoules::new(uj)));
-        assert_eq!(
-            Validity::all_of(&budgets).unwrap().energy_left(),
-            Microjoules::new(7)
-        );
+        assert_eq!(Validity::all_of(&budgets).unwrap().energy_left(), Microjoules::new(7));
         assert_eq!(Validity::always().energy_left(), Microjoules::ZERO);
     }
 }
@@ -151,18 +128,12 @@ mod authority {
     #[test]
     fn a_window_is_open_from_its_beginning_until_just_before_its_end() {
         let window = validity(Function::window(at(10), at(20)));
-        assert_eq!(
-            window.check(&ask(7, on(W))),
-            denial(Rule::Window, 3, Some(10))
-        );
+        assert_eq!(window.check(&ask(7, on(W))), denial(Rule::Window, 3, Some(10)));
         assert_eq!(window.check(&ask(10, on(W))), Ok(()));
         assert_eq!(window.check(&ask(19, on(W))), Ok(()));
         assert_eq!(window.check(&ask(20, on(W))), denial(Rule::Window, 0, None));
         assert_eq!(window.check(&ask(25, on(W))), denial(Rule::Window, 5, None));
-        assert_eq!(
-            (window.ran_out(at(19)), window.ran_out(at(20))),
-            (None, over(Rule::Window))
-        );
+        assert_eq!((window.ran_out(at(19)), window.ran_out(at(20))), (None, over(Rule::Window)));
         assert_eq!(window.look_again_at(at(0)), Some(at(20)));
     }
 
@@ -176,10 +147,7 @@ mod authority {
         limit.confirmed_off(at(1_020));
         assert_eq!(invoke(&mut limit, 1_050, on(W)), Ok(()));
         assert_eq!(limit.look_again_at(at(1_050)), Some(at(1_100)));
-        assert_eq!(
-            limit.check(&ask(1_107, on(W))),
-            denial(Rule::TimeLimit, 7, None)
-        );
+        assert_eq!(limit.check(&ask(1_107, on(W))), denial(Rule::TimeLimit, 7, None));
         assert_eq!(limit.ran_out(at(1_099)), None);
         assert_eq!(limit.ran_out(at(1_100)), over(Rule::TimeLimit));
     }
@@ -187,10 +155,7 @@ mod authority {
     #[test]
     fn a_time_limit_of_nothing_agrees_to_nothing() {
         let limit = validity(Function::time_limit(us(0)));
-        assert_eq!(
-            limit.check(&ask(5, on(W))),
-            denial(Rule::TimeLimit, 0, None)
-        );
+        assert_eq!(limit.check(&ask(5, on(W))), denial(Rule::TimeLimit, 0, None));
     }
 
     #[test]
@@ -218,16 +183,10 @@ mod authority {
 
     #[test]
     fn who_may_not_command_may_not_turn_off_either() {
-        let ended = [
-            Function::window(at(0), at(1)),
-            Function::time_limit(us(0)),
-            Function::lease(us(1)),
-        ];
+        let ended =
+            [Function::window(at(0), at(1)), Function::time_limit(us(0)), Function::lease(us(1))];
         for function in ended {
-            assert!(
-                validity(function).check(&ask(1, Effect::Off)).is_err(),
-                "{function:?}"
-            );
+            assert!(validity(function).check(&ask(1, Effect::Off)).is_err(), "{function:?}");
         }
     }
 }
@@ -241,10 +200,7 @@ mod commands {
         for _ in 0..3 {
             assert_eq!(invoke(&mut three, 0, Effect::Unchanged), Ok(()));
         }
-        assert_eq!(
-            invoke(&mut three, 0, on(W)),
-            denial(Rule::Invocations, 1, None)
-        );
+        assert_eq!(invoke(&mut three, 0, on(W)), denial(Rule::Invocations, 1, None));
     }
 
     #[test]
@@ -259,19 +215,10 @@ mod commands {
         let mut rate = validity(Function::rate(2, us(100)));
         assert_eq!(invoke(&mut rate, 1_000, on(W)), Ok(()));
         assert_eq!(invoke(&mut rate, 1_000, on(W)), Ok(()));
-        assert_eq!(
-            invoke(&mut rate, 1_000, on(W)),
-            denial(Rule::Rate, 100, Some(1_100))
-        );
-        assert_eq!(
-            invoke(&mut rate, 1_099, on(W)),
-            denial(Rule::Rate, 1, Some(1_100))
-        );
+        assert_eq!(invoke(&mut rate, 1_000, on(W)), denial(Rule::Rate, 100, Some(1_100)));
+        assert_eq!(invoke(&mut rate, 1_099, on(W)), denial(Rule::Rate, 1, Some(1_100)));
         assert_eq!(invoke(&mut rate, 1_100, on(W)), Ok(()));
-        assert_eq!(
-            invoke(&mut rate, 1_150, on(W)),
-            denial(Rule::Rate, 50, Some(1_200))
-        );
+        assert_eq!(invoke(&mut rate, 1_150, on(W)), denial(Rule::Rate, 50, Some(1_200)));
     }
 
     #[test]
@@ -289,15 +236,9 @@ mod commands {
     fn commands_keep_their_separation() {
         let mut apart = validity(Function::separation(us(100)));
         assert_eq!(invoke(&mut apart, 0, on(W)), Ok(()));
-        assert_eq!(
-            invoke(&mut apart, 99, on(W)),
-            denial(Rule::Separation, 1, Some(100))
-        );
+        assert_eq!(invoke(&mut apart, 99, on(W)), denial(Rule::Separation, 1, Some(100)));
         assert_eq!(invoke(&mut apart, 100, on(W)), Ok(()));
-        assert_eq!(
-            invoke(&mut apart, 150, on(W)),
-            denial(Rule::Separation, 50, Some(200))
-        );
+        assert_eq!(invoke(&mut apart, 150, on(W)), denial(Rule::Separation, 50, Some(200)));
     }
 
     #[test]
@@ -373,10 +314,7 @@ mod words {
             refusal(Rule::Rate, 5, Some(2_000_000)),
             "command rate exceeded: short by 5 us, until 2.000000 s"
         );
-        assert_eq!(
-            refusal(Rule::Energy, 7, None),
-            "energy budget used up: short by 7 uJ"
-        );
+        assert_eq!(refusal(Rule::Energy, 7, None), "energy budget used up: short by 7 uJ");
         assert_eq!(
             refusal(Rule::TelemetryAge, u64::MAX, None),
             "telemetry too old: never measured"

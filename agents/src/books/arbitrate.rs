@@ -89,7 +89,8 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     /// Keeps the candidates in order while they are collected.
     fn insert(&self, candidates: &mut Candidates, seat: u16) {
         let rank = self.grant(seat).map(super::Grant::rank);
-        let place = candidates.iter().position(|other| self.grant(*other).map(super::Grant::rank) > rank);
+        let place =
+            candidates.iter().position(|other| self.grant(*other).map(super::Grant::rank) > rank);
         // There is room for every gate and every set.
         let _ = candidates.insert(place.unwrap_or(candidates.len()), seat);
     }
@@ -100,11 +101,15 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         let first = self.rosters.first(gate).and_then(|seat| u16::try_from(seat).ok());
         let first = first.filter(|seat| self.may_be_granted(*seat));
         let tenant = || self.devices.get(gate)?.tenant.filter(|seat| self.may_be_granted(*seat));
-        first.or_else(tenant).filter(|seat| self.grant(*seat).is_some_and(|grant| grant.set.is_none()))
+        first
+            .or_else(tenant)
+            .filter(|seat| self.grant(*seat).is_some_and(|grant| grant.set.is_none()))
     }
 
     fn may_be_granted(&self, seat: u16) -> bool {
-        let Some(grant) = self.grant(seat).filter(|grant| grant.is_eligible()) else { return false };
+        let Some(grant) = self.grant(seat).filter(|grant| grant.is_eligible()) else {
+            return false;
+        };
         grant.exempt || self.floors(grant.gates).all(|seen| seen.admits(grant.priority))
     }
 
@@ -151,7 +156,8 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
 
     /// What a device counts against its agent's supply.
     fn draw_of(&self, device: &DeviceBook) -> Milliwatts {
-        let has_margin = self.agent(device.agent).is_some_and(|agent| agent.policy.supply.is_some());
+        let has_margin =
+            self.agent(device.agent).is_some_and(|agent| agent.policy.supply.is_some());
         if has_margin { device.profile.draw } else { Milliwatts::ZERO }
     }
 
@@ -198,7 +204,8 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     /// The gates of an agent that are not among `gates`.
     fn neighbours(&self, gates: u64, agent: u8) -> impl Iterator<Item = (GateId, &DeviceBook)> {
         let all = self.devices.iter().enumerate();
-        let named = all.filter_map(|(number, device)| Some((GateId(u8::try_from(number).ok()?), device)));
+        let named =
+            all.filter_map(|(number, device)| Some((GateId(u8::try_from(number).ok()?), device)));
         named.filter(move |(gate, device)| gates & bit(*gate) == 0 && device.agent == agent)
     }
 
@@ -218,13 +225,20 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
 
     fn draws_of(&self, gates: u64, counts: impl Fn(&&DeviceBook) -> bool) -> Draws {
         let mut draws = Draws::default();
-        for device in gates_of(gates).filter_map(|gate| self.device(gate)).filter(|device| counts(device)) {
+        for device in
+            gates_of(gates).filter_map(|gate| self.device(gate)).filter(|device| counts(device))
+        {
             add(&mut draws, device.agent, self.draw_of(device));
         }
         draws
     }
 
-    fn preempt_unchosen(&mut self, candidates: &Candidates, choice: &Choice, actions: &mut Actions) {
+    fn preempt_unchosen(
+        &mut self,
+        candidates: &Candidates,
+        choice: &Choice,
+        actions: &mut Actions,
+    ) {
         for number in 0..self.devices.len() {
             let tenant = self.devices.get(number).and_then(|device| device.tenant);
             let Some(seat) = tenant else { continue };
@@ -249,7 +263,9 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         };
         match taker.and_then(|taker| Some((taker, self.grant(taker)?))) {
             Some((seat, by)) => Why::Preempted { by: by.id(seat), priority: by.priority },
-            None if self.floors(grant.gates).any(|seen| !seen.admits(grant.priority)) => Why::RevokedAll,
+            None if self.floors(grant.gates).any(|seen| !seen.admits(grant.priority)) => {
+                Why::RevokedAll
+            }
             None => Why::SupplyFell,
         }
     }
@@ -257,7 +273,8 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     /// The most important one that was chosen, draws on the same supply, and
     /// has not got it yet.
     fn margin_taker(&self, gates: u64, candidates: &Candidates, choice: &Choice) -> Option<u16> {
-        let agents = |bits| gates_of(bits).filter_map(|gate| self.device(gate)).map(|device| device.agent);
+        let agents =
+            |bits| gates_of(bits).filter_map(|gate| self.device(gate)).map(|device| device.agent);
         candidates.iter().copied().find(|seat| {
             let Some(grant) = self.grant(*seat) else { return false };
             let shares = agents(grant.gates).any(|agent| agents(gates).any(|other| other == agent));
@@ -318,18 +335,21 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     }
 
     fn can_be_granted_now(&self, gates: u64, owed: &Draws) -> bool {
-        let admissible = gates_of(gates)
-            .all(|gate| self.device(gate).is_some_and(DeviceBook::is_admissible));
+        let admissible =
+            gates_of(gates).all(|gate| self.device(gate).is_some_and(DeviceBook::is_admissible));
         admissible && self.neighbours_are_clear(gates) && self.margin_suffices(gates, owed)
     }
 
     fn neighbours_are_clear(&self, gates: u64) -> bool {
         gates_of(gates).filter_map(|gate| self.device(gate)).all(|device| {
-            let Some(policy) = self.agent(device.agent).map(|agent| agent.policy) else { return false };
+            let Some(policy) = self.agent(device.agent).map(|agent| agent.policy) else {
+                return false;
+            };
             self.neighbours(gates, device.agent).all(|(_, other)| {
                 let excluded = policy.exclusive && !other.is_quiescent();
                 let charged = other.phase != Phase::Off;
-                let conflicts = policy.categories && charged && device.categories.overlaps(other.categories);
+                let conflicts =
+                    policy.categories && charged && device.categories.overlaps(other.categories);
                 !excluded && !conflicts
             })
         })

@@ -271,7 +271,8 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         device.tell_off = Some(at);
         let user = device.last_user.clone();
         if let LastUser::Grant { seat, serial } = user {
-            let rests = |grant: &&super::Grant| grant.serial == serial && grant.state == State::Resting;
+            let rests =
+                |grant: &&super::Grant| grant.serial == serial && grant.state == State::Resting;
             if self.grant(seat).filter(rests).is_some() {
                 self.rejoin(seat);
             }
@@ -304,9 +305,13 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     pub(super) fn done(&mut self, done: Done, actions: &mut Actions) {
         match done {
             Done::Vacated { gate, ended, vacated } => self.vacated(gate, ended, &vacated),
-            Done::Safed { gate, tenure, attempt, safed } => self.safed(gate, tenure, attempt, safed),
+            Done::Safed { gate, tenure, attempt, safed } => {
+                self.safed(gate, tenure, attempt, safed)
+            }
             Done::SeenOff { gate, at } => {
-                if let Some(device) = self.device_mut(gate).filter(|device| device.tell_off == Some(at)) {
+                if let Some(device) =
+                    self.device_mut(gate).filter(|device| device.tell_off == Some(at))
+                {
                     device.tell_off = None;
                 }
             }
@@ -397,7 +402,9 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
 
     fn blocked_at(&mut self, gate: GateId, tenure: usize, blocked: Blocked) {
         let now = self.now;
-        let Some(device) = self.device_mut(gate).filter(|device| device.tenure == tenure) else { return };
+        let Some(device) = self.device_mut(gate).filter(|device| device.tenure == tenure) else {
+            return;
+        };
         let retry_at = now.after(device.patience());
         match (blocked, device.phase) {
             // Somebody else did it, and reports it.

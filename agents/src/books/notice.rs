@@ -28,10 +28,12 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
             let Ok(gate) = u8::try_from(number).map(GateId) else { continue };
             let Some(agent) = self.device(gate).map(|device| device.agent) else { continue };
             let seen = agents.get(usize::from(agent)).copied().unwrap_or_default();
-            let ended = broker_ended || self.agent(agent).is_some_and(|book| book.seen.epoch != seen.epoch);
+            let ended =
+                broker_ended || self.agent(agent).is_some_and(|book| book.seen.epoch != seen.epoch);
             self.notice_tenant(gate, broker.epoch, seen.epoch, survivors, actions);
             if let Some(device) = self.device_mut(gate).filter(|_| ended) {
-                device.must_safe |= !matches!(device.phase, Phase::Off | Phase::Held | Phase::Admitting);
+                device.must_safe |=
+                    !matches!(device.phase, Phase::Off | Phase::Held | Phase::Admitting);
             }
         }
         for (book, seen) in self.agents.iter_mut().zip(agents) {

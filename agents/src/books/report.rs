@@ -104,7 +104,8 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     pub fn device_report(&self, gate: GateId) -> Option<DeviceReport> {
         let device = self.device(gate)?;
         let tenant = device.tenant.and_then(|seat| Some(self.grant(seat)?.id(seat)));
-        let charge = if device.phase == Phase::Off { Milliwatts::ZERO } else { device.profile.draw };
+        let charge =
+            if device.phase == Phase::Off { Milliwatts::ZERO } else { device.profile.draw };
         let (seen, fault) = (device.seen, device.fault);
         Some(DeviceReport { state: device.state(), tenant, charge, seen, fault })
     }
@@ -145,7 +146,8 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     pub fn hand_over_bound(&self, gate: GateId, rounds: u32) -> Option<Duration> {
         let agent = self.device(gate)?.agent;
         let devices = || self.devices.iter().filter(move |device| device.agent == agent);
-        let vacating = devices().fold(Duration::ZERO, |sum, device| sum.saturating_add(device.patience()));
+        let vacating =
+            devices().fold(Duration::ZERO, |sum, device| sum.saturating_add(device.patience()));
         let attempts = devices().map(|device| device.profile.safing_attempts.max(1)).max()?;
         let safing = devices()
             .fold(Duration::ZERO, |sum, device| sum.saturating_add(device.profile.longest_safing));

@@ -109,7 +109,8 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
             let device = self.device(*gate).ok_or(RequestRefused::UnknownGate)?;
             if !device.profile.draw.is_zero() && validity.lease().is_none() {
                 let full = RequestRefused::NoCapacity(Capacity::ValidityFunctions);
-                *validity = validity.and(Function::lease(device.profile.lease)).map_err(|_| full)?;
+                *validity =
+                    validity.and(Function::lease(device.profile.lease)).map_err(|_| full)?;
             }
         }
         Ok(gates)
@@ -329,7 +330,8 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     pub(super) fn give_back(&mut self, agent: u8, validity: &Validity) {
         if let Some(agent) = self.agents.get_mut(usize::from(agent)) {
             agent.energy_left = agent.energy_left.saturating_add(validity.energy_left());
-            agent.propellant_left = agent.propellant_left.saturating_add(validity.propellant_left());
+            agent.propellant_left =
+                agent.propellant_left.saturating_add(validity.propellant_left());
         }
     }
 
@@ -347,7 +349,8 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     /// The gates of a grant that is not valid any more are to be vacated.
     pub(super) fn put_out(&mut self, seat: u16, gates: u64) {
         for gate in gates_of(gates) {
-            if let Some(device) = self.device_mut(gate).filter(|device| device.tenant == Some(seat)) {
+            if let Some(device) = self.device_mut(gate).filter(|device| device.tenant == Some(seat))
+            {
                 device.leave();
             }
         }

@@ -3,6 +3,7 @@
 
 use core::fmt;
 
+use faregate_tickets::clock::Clock;
 use faregate_tickets::device::Device;
 use faregate_tickets::gate::Handle as GateHandle;
 use faregate_tickets::id::{GateId, Priority, TicketId};
@@ -12,7 +13,6 @@ use faregate_tickets::platform::Platform;
 use faregate_tickets::recorder::{Lane, Record, RecordedEvent};
 use faregate_tickets::ticket::{Seat, Ticket};
 use faregate_tickets::validity::Validity;
-use faregate_tickets::clock::Clock;
 
 use crate::books::{Ask, Event};
 use crate::refusal::RequestRefused;
@@ -74,7 +74,8 @@ impl<D: Device, P: Platform> fmt::Debug for Want<'_, D, P> {
 
 /// What can be requested: a handle, a [`Want`], or a tuple of wants, which is
 /// granted all or nothing and answers a tuple of tickets.
-pub trait Wants<'b, 'g: 'b, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize> {
+pub trait Wants<'b, 'g: 'b, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
+{
     /// The tickets, one for each gate.
     type Tickets;
 
@@ -82,37 +83,76 @@ pub trait Wants<'b, 'g: 'b, P: Platform, N: Notify, const G: usize, const T: usi
     ///
     /// # Errors
     /// A gate of another broker, a gate twice, or too many.
-    fn ask(&self, broker: &Broker<'g, P, N, G, T, S>, priority: Priority) -> Result<Ask, RequestRefused>;
+    fn ask(
+        &self,
+        broker: &Broker<'g, P, N, G, T, S>,
+        priority: Priority,
+    ) -> Result<Ask, RequestRefused>;
 
     /// The tickets of the grant with this id; `None` for a foreign gate.
-    fn tickets(&self, broker: &'b Broker<'g, P, N, G, T, S>, id: TicketId) -> Option<Self::Tickets>;
+    fn tickets(&self, broker: &'b Broker<'g, P, N, G, T, S>, id: TicketId)
+    -> Option<Self::Tickets>;
 }
 
-impl<'b, 'g: 'b, D: Device, Q: Platform, P: Platform + 'b, N: Notify + 'b, const G: usize, const T: usize, const S: usize>
-    Wants<'b, 'g, P, N, G, T, S> for Want<'g, D, Q>
+impl<
+    'b,
+    'g: 'b,
+    D: Device,
+    Q: Platform,
+    P: Platform + 'b,
+    N: Notify + 'b,
+    const G: usize,
+    const T: usize,
+    const S: usize,
+> Wants<'b, 'g, P, N, G, T, S> for Want<'g, D, Q>
 {
     type Tickets = Ticket<'b, D, Q, Broker<'g, P, N, G, T, S>>;
 
-    fn ask(&self, broker: &Broker<'g, P, N, G, T, S>, priority: Priority) -> Result<Ask, RequestRefused> {
+    fn ask(
+        &self,
+        broker: &Broker<'g, P, N, G, T, S>,
+        priority: Priority,
+    ) -> Result<Ask, RequestRefused> {
         let gate = broker.known(&self.handle)?;
         Ok(Ask::new(priority, gate, self.validity))
     }
 
-    fn tickets(&self, broker: &'b Broker<'g, P, N, G, T, S>, id: TicketId) -> Option<Self::Tickets> {
+    fn tickets(
+        &self,
+        broker: &'b Broker<'g, P, N, G, T, S>,
+        id: TicketId,
+    ) -> Option<Self::Tickets> {
         broker.ticket(&self.handle, id)
     }
 }
 
-impl<'b, 'g: 'b, D: Device, Q: Platform, P: Platform + 'b, N: Notify + 'b, const G: usize, const T: usize, const S: usize>
-    Wants<'b, 'g, P, N, G, T, S> for Handle<'g, D, Q>
+impl<
+    'b,
+    'g: 'b,
+    D: Device,
+    Q: Platform,
+    P: Platform + 'b,
+    N: Notify + 'b,
+    const G: usize,
+    const T: usize,
+    const S: usize,
+> Wants<'b, 'g, P, N, G, T, S> for Handle<'g, D, Q>
 {
     type Tickets = Ticket<'b, D, Q, Broker<'g, P, N, G, T, S>>;
 
-    fn ask(&self, broker: &Broker<'g, P, N, G, T, S>, priority: Priority) -> Result<Ask, RequestRefused> {
+    fn ask(
+        &self,
+        broker: &Broker<'g, P, N, G, T, S>,
+        priority: Priority,
+    ) -> Result<Ask, RequestRefused> {
         self.limited(Validity::always()).ask(broker, priority)
     }
 
-    fn tickets(&self, broker: &'b Broker<'g, P, N, G, T, S>, id: TicketId) -> Option<Self::Tickets> {
+    fn tickets(
+        &self,
+        broker: &'b Broker<'g, P, N, G, T, S>,
+        id: TicketId,
+    ) -> Option<Self::Tickets> {
         broker.ticket(self, id)
     }
 }
@@ -229,7 +269,10 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
         });
     }
 
-    fn known<D: Device, Q: Platform>(&self, handle: &Handle<'g, D, Q>) -> Result<GateId, RequestRefused> {
+    fn known<D: Device, Q: Platform>(
+        &self,
+        handle: &Handle<'g, D, Q>,
+    ) -> Result<GateId, RequestRefused> {
         if handle.tag == self.tag { Ok(handle.gate) } else { Err(RequestRefused::UnknownGate) }
     }
 

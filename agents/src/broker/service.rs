@@ -16,7 +16,10 @@ use super::{Broker, Ledger};
 enum Found {
     Work(Work),
     /// A limit of this gate's tenant may have run out.
-    Limit { gate: GateId, serial: usize },
+    Limit {
+        gate: GateId,
+        serial: usize,
+    },
     /// Nothing, until then.
     Due(Option<Instant>),
 }
@@ -62,7 +65,9 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
             let now = ledger.clock.now();
             self.look_for_bars(ledger, now);
             let noticed = self.noticed(ledger);
-            let actions = ledger.books.steps([Event::Tick(now), noticed, self.faults()].into_iter().chain(event));
+            let actions = ledger
+                .books
+                .steps([Event::Tick(now), noticed, self.faults()].into_iter().chain(event));
             self.carry_out(ledger, now, &actions);
             let Actions { granted: valid, ended, .. } = actions;
             for ticket in valid.iter().chain(&ended) {
@@ -95,7 +100,9 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
     /// The epochs are read before the books decide (Late Epoch Invariant).
     fn noticed(&self, ledger: &Ledger<P, G, T, S>) -> Event {
         let broker = self.scope.read();
-        let agents = core::array::from_fn(|agent| self.agents.get(agent).map_or_else(Default::default, super::Scope::read));
+        let agents = core::array::from_fn(|agent| {
+            self.agents.get(agent).map_or_else(Default::default, super::Scope::read)
+        });
         let mut survivors = 0;
         for number in 0..self.keys.len() {
             let Ok(gate) = u8::try_from(number).map(GateId) else { continue };
@@ -164,8 +171,13 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
         Some(result.unwrap_or_else(|blocked| Done::Blocked { gate, tenure, blocked }))
     }
 
-    fn admit(&self, key: &Key<'g>, work: &Work) -> Option<Result<Done, faregate_tickets::gate::Blocked>> {
-        let Work::Admit { gate, tenure: after, ticket, validity, agent, stamp, timeout } = *work else {
+    fn admit(
+        &self,
+        key: &Key<'g>,
+        work: &Work,
+    ) -> Option<Result<Done, faregate_tickets::gate::Blocked>> {
+        let Work::Admit { gate, tenure: after, ticket, validity, agent, stamp, timeout } = *work
+        else {
             return None;
         };
         let standing = self.standings.get(usize::from(ticket.seat))?;

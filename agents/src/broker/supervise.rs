@@ -71,7 +71,8 @@ impl Revoked<'_> {
     pub fn quiesce(self) -> Result<Quiescent, (GateId, Blocked)> {
         for (number, key) in (0..).zip(self.keys) {
             let profile = key.profile();
-            let patience = profile.longest_command.saturating_mul(u64::from(profile.overrun_factor.max(1)));
+            let patience =
+                profile.longest_command.saturating_mul(u64::from(profile.overrun_factor.max(1)));
             key.pass(patience).map_err(|blocked| (GateId(number), blocked))?;
         }
         Ok(Quiescent(()))
@@ -157,7 +158,11 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
     /// # Timing
     /// Constant: one atomic store and one atomic increment; nobody can delay
     /// it. Making the devices safe takes the service its time.
-    pub fn enter_safe_mode(&self, supervisor: &Supervisor, floor: Priority) -> Result<Revoked<'_>, NotYours> {
+    pub fn enter_safe_mode(
+        &self,
+        supervisor: &Supervisor,
+        floor: Priority,
+    ) -> Result<Revoked<'_>, NotYours> {
         self.scope_of(supervisor)?.enter_safe_mode(floor);
         self.notify.service_due();
         Ok(Revoked { keys: &self.keys })

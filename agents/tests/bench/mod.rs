@@ -11,7 +11,8 @@ use faregate_tickets::lock::Locked;
 use faregate_tickets::notify::NoNotify;
 use faregate_tickets::recorder::NoLane;
 
-pub type Platform = (Locked<parking_lot::RawMutex, parking_lot::RawThreadId>, &'static Hands, NoLane);
+pub type Platform =
+    (Locked<parking_lot::RawMutex, parking_lot::RawThreadId>, &'static Hands, NoLane);
 pub type TestBroker = Broker<'static, Platform, NoNotify, 4, 8, 2>;
 pub type Ticket = faregate_tickets::Ticket<'static, Lamp, Platform, TestBroker>;
 

@@ -133,10 +133,7 @@ pub(super) enum Waiting {
 /// # Panics
 /// Outside a body.
 pub(super) fn block(cause: Cause, until: Instant) -> Waiting {
-    assert!(
-        is_running(),
-        "a wait in virtual time outside a body: nobody could end it"
-    );
+    assert!(is_running(), "a wait in virtual time outside a body: nobody could end it");
     if is_abandoned() {
         return block_abandoned(cause);
     }

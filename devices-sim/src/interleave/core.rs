@@ -33,10 +33,7 @@ pub(super) fn with<R>(f: impl FnOnce(&mut Core) -> R) -> Option<R> {
 /// Opens the books of a run on this thread.
 pub(super) fn open(core: Core) {
     let before = CORE.replace(Some(core));
-    assert!(
-        before.is_none(),
-        "an interleaver runs inside another one's body"
-    );
+    assert!(before.is_none(), "an interleaver runs inside another one's body");
 }
 
 /// Closes the books.
@@ -324,10 +321,7 @@ impl Core {
     fn is_ready(&self, i: usize) -> bool {
         match self.bodies[i].state {
             State::Ready => true,
-            State::Blocked {
-                cause: Cause::Progress(seen),
-                ..
-            } => self.progress > seen,
+            State::Blocked { cause: Cause::Progress(seen), .. } => self.progress > seen,
             _ => false,
         }
     }
@@ -362,10 +356,8 @@ impl Core {
         let boosted =
             (0..self.bodies.len()).filter_map(|i| Some((level(i), self.in_the_way_of(i)?)));
         let top = boosted.clone().map(|(level, _)| level).max()?;
-        let first: Vec<usize> = boosted
-            .filter(|(level, _)| *level == top)
-            .map(|(_, i)| i)
-            .collect();
+        let first: Vec<usize> =
+            boosted.filter(|(level, _)| *level == top).map(|(_, i)| i).collect();
         debug_assert!(first.iter().all(|i| ready.contains(i)));
         Some(first[self.dice.index(first.len())])
     }
@@ -384,11 +376,7 @@ impl Core {
 
     /// The body that holds the lock which body `i` waits for.
     pub(super) fn holder_before(&self, i: usize) -> Option<usize> {
-        let State::Blocked {
-            cause: Cause::Lock { holder, .. },
-            ..
-        } = self.bodies[i].state
-        else {
+        let State::Blocked { cause: Cause::Lock { holder, .. }, .. } = self.bodies[i].state else {
             return None;
         };
         self.bodies.iter().position(|body| body.id == holder)
@@ -397,16 +385,10 @@ impl Core {
     fn note(&mut self, what: &'static str) {
         let running = self.running.unwrap_or(usize::MAX);
         let at = self.clock.now();
-        let text = what
-            .bytes()
-            .fold(running as u64, |hash, byte| mix(hash ^ u64::from(byte)));
+        let text = what.bytes().fold(running as u64, |hash, byte| mix(hash ^ u64::from(byte)));
         self.fingerprint = mix(self.fingerprint ^ at.as_micros()).wrapping_add(text);
         if let (Some(log), Some(body)) = (&mut self.log, self.bodies.get(running)) {
-            log.push(Switch {
-                at,
-                body: body.name,
-                what,
-            });
+            log.push(Switch { at, body: body.name, what });
         }
     }
 }

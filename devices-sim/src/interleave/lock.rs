@@ -52,10 +52,7 @@ impl<T> SimLock<T> {
 
     fn entered<'a>(&'a self, value: MutexGuard<'a, T>) -> Inside<'a, T> {
         self.holder.store(core::current_id(), Ordering::Relaxed);
-        Inside {
-            lock: self,
-            value: Some(value),
-        }
+        Inside { lock: self, value: Some(value) }
     }
 
     /// Waits at the door, for as long as it takes.
@@ -91,22 +88,13 @@ impl<T> SimLock<T> {
     fn wait(&self, until: faregate_tickets::clock::Instant) {
         let holder = self.holder.load(Ordering::Relaxed);
         // Whatever ended the wait, the caller looks at the lock again.
-        let _ = block(
-            Cause::Lock {
-                lock: self.address(),
-                holder,
-            },
-            until,
-        );
+        let _ = block(Cause::Lock { lock: self.address(), holder }, until);
     }
 }
 
 impl<T: Send> Exclusion<T> for SimLock<T> {
     fn new(value: T) -> Self {
-        Self {
-            value: Mutex::new(value),
-            holder: AtomicUsize::new(0),
-        }
+        Self { value: Mutex::new(value), holder: AtomicUsize::new(0) }
     }
 
     fn with<R>(&self, f: impl FnOnce(&mut T) -> R) -> Result<R, Shut> {
@@ -134,10 +122,8 @@ impl<T: Send> Exclusion<T> for SimLock<T> {
         body::switch_point("lock");
         // A body that dies inside unwinds and leaves the lock, so no owner is
         // ever found dead here.
-        let answer = self
-            .enter_within(timeout)
-            .ok_or(Shut::TimedOut)?
-            .run(|value| f(value, Owner::Sound));
+        let answer =
+            self.enter_within(timeout).ok_or(Shut::TimedOut)?.run(|value| f(value, Owner::Sound));
         body::switch_point("unlocked");
         Ok(answer)
     }
@@ -165,8 +151,6 @@ impl<T> Drop for Inside<'_, T> {
 
 impl<T> fmt::Debug for SimLock<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("SimLock")
-            .field("locked", &self.value.is_locked())
-            .finish()
+        f.debug_struct("SimLock").field("locked", &self.value.is_locked()).finish()
     }
 }

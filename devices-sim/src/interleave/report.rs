@@ -30,10 +30,7 @@ impl Report {
     /// How the body of this name ended.
     #[must_use]
     pub fn end_of(&self, name: &str) -> Option<End> {
-        self.ends
-            .iter()
-            .find(|(other, _)| *other == name)
-            .map(|(_, end)| *end)
+        self.ends.iter().find(|(other, _)| *other == name).map(|(_, end)| *end)
     }
 }
 

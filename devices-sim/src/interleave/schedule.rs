@@ -33,12 +33,8 @@ impl Schedule {
     pub fn from_seed(seed: u64) -> Self {
         let mut dice = Dice::new(seed, 1);
         match dice.below(8) {
-            0..=3 => Self::Even {
-                stay: [0, 128, 192, 240][dice.index(4)],
-            },
-            4..=6 => Self::Ranked {
-                demote: [2, 8, 32][dice.index(3)],
-            },
+            0..=3 => Self::Even { stay: [0, 128, 192, 240][dice.index(4)] },
+            4..=6 => Self::Ranked { demote: [2, 8, 32][dice.index(3)] },
             _ => Self::Priorities,
         }
     }

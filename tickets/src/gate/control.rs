@@ -182,6 +182,11 @@ impl<D: Device, P: Platform> Control for Gate<'_, D, P> {
             if inside.tenure != tenure {
                 return Err(Blocked::Stale);
             }
+            // Measured before the last command to turn on had its effect: it
+            // says nothing about now.
+            if at <= inside.turned_on.after(self.profile.settling) {
+                return Ok(());
+            }
             inside.may_be_on = false;
             inside.validity.confirmed_off(at);
             if let Some(member) = &self.interlock {

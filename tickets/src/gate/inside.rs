@@ -26,6 +26,8 @@ pub(super) struct Inside<D, P: Platform> {
     pub(super) validity: Validity,
     /// Whether a command turned the device on since it was last seen off.
     pub(super) may_be_on: bool,
+    /// When the latest command to turn on was issued.
+    pub(super) turned_on: Instant,
 }
 
 impl<D: Device, P: Platform> Inside<D, P> {
@@ -41,6 +43,7 @@ impl<D: Device, P: Platform> Inside<D, P> {
             safed: (0, latest),
             validity: Validity::always(),
             may_be_on: true,
+            turned_on: Instant::START,
         }
     }
 

@@ -9,8 +9,8 @@ use crate::platform::Platform;
 use crate::ticket::{Issuer, Seat, Ticket};
 use crate::validity::RanOut;
 
-use super::control::{Admission, Blocked, Control, Safed, Vacated};
 use super::Gate;
+use super::control::{Admission, Blocked, Control, Safed, Vacated};
 
 /// A gate's one key, which knows what its device is.
 ///

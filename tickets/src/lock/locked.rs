@@ -49,9 +49,7 @@ const NOBODY: usize = 0;
 
 impl<R, I, T> fmt::Debug for OwnedMutex<R, I, T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("OwnedMutex")
-            .field("owner", &self.owner)
-            .finish_non_exhaustive()
+        f.debug_struct("OwnedMutex").field("owner", &self.owner).finish_non_exhaustive()
     }
 }
 
@@ -98,11 +96,7 @@ where
     I: GetThreadId,
 {
     fn new(value: T) -> Self {
-        Self {
-            mutex: Mutex::new(value),
-            owner: AtomicUsize::new(NOBODY),
-            threads: I::INIT,
-        }
+        Self { mutex: Mutex::new(value), owner: AtomicUsize::new(NOBODY), threads: I::INIT }
     }
 
     fn with<Out>(&self, f: impl FnOnce(&mut T) -> Out) -> Result<Out, Shut> {
@@ -123,10 +117,7 @@ where
         f: impl FnOnce(&mut T, Owner) -> Out,
     ) -> Result<Out, Shut> {
         let caller = self.caller()?;
-        let mut value = self
-            .mutex
-            .try_lock_for(timeout.into())
-            .ok_or(Shut::TimedOut)?;
+        let mut value = self.mutex.try_lock_for(timeout.into()).ok_or(Shut::TimedOut)?;
         Ok(self.note(caller, || f(&mut value, Owner::Sound)))
     }
 }

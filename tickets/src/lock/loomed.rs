@@ -37,27 +37,16 @@ pub struct LoomMutex<T> {
 impl<T> LoomMutex<T> {
     fn caller(&self) -> Result<ThreadId, Shut> {
         let caller = thread::current().id();
-        if self.inside() == Some(caller) {
-            Err(Shut::Reentered)
-        } else {
-            Ok(caller)
-        }
+        if self.inside() == Some(caller) { Err(Shut::Reentered) } else { Ok(caller) }
     }
 
     fn inside(&self) -> Option<ThreadId> {
-        *self
-            .owner
-            .lock()
-            .expect("nothing panics while it names the owner")
+        *self.owner.lock().expect("nothing panics while it names the owner")
     }
 
     fn note(&self, inside: Option<ThreadId>) {
-        *self
-            .owner
-            .lock()
-            .expect("nothing panics while it names the owner") = inside;
-        self.shadow
-            .store(usize::from(inside.is_some()), Ordering::Relaxed);
+        *self.owner.lock().expect("nothing panics while it names the owner") = inside;
+        self.shadow.store(usize::from(inside.is_some()), Ordering::Relaxed);
     }
 
     /// Runs `f` inside and leaves, also when `f` unwinds: a guard that went
@@ -133,20 +122,11 @@ mod tests {
             let inside = thread::spawn(move || other.with(|value| *value += 1));
             let tried = lock.try_with(|value| *value += 1);
             assert_eq!(inside.join().unwrap(), Ok(()));
-            assert_eq!(
-                lock.with(|value| *value),
-                Ok(if tried.is_ok() { 2 } else { 1 })
-            );
+            assert_eq!(lock.with(|value| *value), Ok(if tried.is_ok() { 2 } else { 1 }));
             tried == Err(Shut::Busy)
         });
-        assert!(
-            busy > 0,
-            "in none of {executions} executions was the lock busy"
-        );
-        assert!(
-            busy < executions,
-            "in all {executions} executions the lock was busy"
-        );
+        assert!(busy > 0, "in none of {executions} executions was the lock busy");
+        assert!(busy < executions, "in all {executions} executions the lock was busy");
     }
 
     #[test]

@@ -37,11 +37,7 @@ impl<T> Exclusion<T> for MaskedCell<T> {
 
     fn with<R>(&self, f: impl FnOnce(&mut T) -> R) -> Result<R, Shut> {
         critical_section::with(|mask| {
-            let mut value = self
-                .0
-                .borrow(mask)
-                .try_borrow_mut()
-                .map_err(|_| Shut::Reentered)?;
+            let mut value = self.0.borrow(mask).try_borrow_mut().map_err(|_| Shut::Reentered)?;
             Ok(f(&mut value))
         })
     }

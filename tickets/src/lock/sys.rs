@@ -10,10 +10,7 @@
 //! *One Inside*: a thread is inside from the moment its own id came into the
 //! word, by its own exchange from `FREE` or by the kernel, until it gives the
 //! word up. No other thread takes a living owner's id out of the word.
-#![expect(
-    unsafe_code,
-    reason = "a futex is a system call, and what it guards is a shared cell"
-)]
+#![expect(unsafe_code, reason = "a futex is a system call, and what it guards is a shared cell")]
 
 mod kernel;
 
@@ -64,9 +61,7 @@ unsafe impl<T: Send, I> Sync for PiMutex<T, I> {}
 
 impl<T, I> fmt::Debug for PiMutex<T, I> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("PiMutex")
-            .field("word", &self.word)
-            .finish_non_exhaustive()
+        f.debug_struct("PiMutex").field("word", &self.word).finish_non_exhaustive()
     }
 }
 
@@ -85,10 +80,7 @@ impl<T, I: CurrentThread> PiMutex<T, I> {
         let tid = I::tid();
         // Acquire pairs with the Release in `Inside::drop`. A refusal reads
         // nothing but the word: its own id is there only if it put it there.
-        match self
-            .word
-            .compare_exchange(FREE, tid, Ordering::Acquire, Ordering::Relaxed)
-        {
+        match self.word.compare_exchange(FREE, tid, Ordering::Acquire, Ordering::Relaxed) {
             Ok(_) => Ok(Inside::of(self, tid)),
             Err(word) if word & OWNER == tid => Err(Shut::Reentered),
             Err(_) => Err(Shut::Busy),
@@ -111,9 +103,8 @@ impl<T, I: CurrentThread> PiMutex<T, I> {
     #[cold]
     #[inline(never)]
     fn wait(&self, timeout: Option<Duration>) -> Result<(), Shut> {
-        let mut way = timeout.map_or(Way::FOREVER, |timeout| {
-            Way::until(timeout, libc::CLOCK_MONOTONIC)
-        });
+        let mut way =
+            timeout.map_or(Way::FOREVER, |timeout| Way::until(timeout, libc::CLOCK_MONOTONIC));
         loop {
             match futex(&self.word, way.operation, way.deadline.as_ref()) {
                 0 => {
@@ -157,9 +148,7 @@ impl<T, I: CurrentThread> PiMutex<T, I> {
             let marked = word & WAITERS | OWNER_DIED;
             // Orders nothing: a dead owner published nothing. If it fails,
             // somebody else marked it or is the heir.
-            let _ = self
-                .word
-                .compare_exchange(word, marked, Ordering::Relaxed, Ordering::Relaxed);
+            let _ = self.word.compare_exchange(word, marked, Ordering::Relaxed, Ordering::Relaxed);
         }
     }
 
@@ -194,20 +183,12 @@ pub(super) struct Inside<'a, T, I: CurrentThread> {
 impl<'a, T, I: CurrentThread> Inside<'a, T, I> {
     /// For the thread `tid`, whose id the word has.
     fn of(lock: &'a PiMutex<T, I>, tid: u32) -> Self {
-        Self {
-            lock,
-            tid,
-            stays: PhantomData,
-        }
+        Self { lock, tid, stays: PhantomData }
     }
 
     /// Whether a thread died inside before.
     pub(super) fn owner(&self) -> Owner {
-        if self.lock.died.load(Ordering::Relaxed) {
-            Owner::Died
-        } else {
-            Owner::Sound
-        }
+        if self.lock.died.load(Ordering::Relaxed) { Owner::Died } else { Owner::Sound }
     }
 }
 
@@ -233,9 +214,7 @@ impl<T, I: CurrentThread> Drop for Inside<'_, T, I> {
         // Release pairs with the Acquire in `try_enter`. Where the kernel set
         // a bit beside the id, the kernel hands over.
         let left =
-            self.lock
-                .word
-                .compare_exchange(self.tid, FREE, Ordering::Release, Ordering::Relaxed);
+            self.lock.word.compare_exchange(self.tid, FREE, Ordering::Release, Ordering::Relaxed);
         if left.is_err() {
             self.lock.hand_over();
         }

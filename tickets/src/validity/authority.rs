@@ -20,11 +20,7 @@ impl Window {
         still_before(self.until, now, Rule::Window)?;
         if now < self.from {
             let short_by = self.from.since(now).as_micros();
-            return Err(Denial {
-                rule: Rule::Window,
-                short_by,
-                until: Some(self.from),
-            });
+            return Err(Denial { rule: Rule::Window, short_by, until: Some(self.from) });
         }
         Ok(())
     }
@@ -53,11 +49,7 @@ impl TimeLimit {
 
     pub(super) fn check(&self, now: Instant) -> Result<(), Denial> {
         // A limit of no time at all is over before its first command.
-        still_before(
-            self.end.unwrap_or(now.after(self.limit)),
-            now,
-            Rule::TimeLimit,
-        )
+        still_before(self.end.unwrap_or(now.after(self.limit)), now, Rule::TimeLimit)
     }
 
     pub(super) fn commit(&mut self, ask: &Ask<'_>) {
@@ -85,10 +77,7 @@ pub(super) struct Lease {
 
 impl Lease {
     pub(super) const fn new(period: Duration) -> Self {
-        Self {
-            period,
-            end: Instant::START,
-        }
+        Self { period, end: Instant::START }
     }
 
     pub(super) fn check(&self, now: Instant) -> Result<(), Denial> {
@@ -123,9 +112,5 @@ fn still_before(end: Instant, now: Instant, rule: Rule) -> Result<(), Denial> {
     if now < end {
         return Ok(());
     }
-    Err(Denial {
-        rule,
-        short_by: now.since(end).as_micros(),
-        until: None,
-    })
+    Err(Denial { rule, short_by: now.since(end).as_micros(), until: None })
 }

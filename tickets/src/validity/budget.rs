@@ -19,12 +19,7 @@ pub(super) struct Budget<const FINE: u64> {
 
 impl<const FINE: u64> Budget<FINE> {
     pub(super) const fn new(total: u64) -> Self {
-        Self {
-            total: total.saturating_mul(FINE),
-            used: 0,
-            rate: 0,
-            since: None,
-        }
+        Self { total: total.saturating_mul(FINE), used: 0, rate: 0, since: None }
     }
 
     pub(super) fn check(&self, rule: Rule, now: Instant) -> Result<(), Denial> {
@@ -34,11 +29,7 @@ impl<const FINE: u64> Budget<FINE> {
         }
         // The least whole amount with which the budget would exceed the use.
         let short_by = whole::<FINE>(used.saturating_sub(self.total)).saturating_add(1);
-        Err(Denial {
-            rule,
-            short_by,
-            until: None,
-        })
+        Err(Denial { rule, short_by, until: None })
     }
 
     /// The device is on from now, at this rate.
@@ -51,12 +42,7 @@ impl<const FINE: u64> Budget<FINE> {
 
     pub(super) fn confirmed_off(&mut self, at: Instant) {
         if self.since.is_some_and(|since| at > since) {
-            *self = Self {
-                used: self.used_at(at),
-                rate: 0,
-                since: None,
-                ..*self
-            };
+            *self = Self { used: self.used_at(at), rate: 0, since: None, ..*self };
         }
     }
 
@@ -87,10 +73,7 @@ impl<const FINE: u64> Budget<FINE> {
 /// division by a constant is a call into a loop.
 fn whole<const FINE: u64>(fine: u64) -> u64 {
     const {
-        assert!(
-            FINE.is_multiple_of(2),
-            "for odd numbers the reciprocal needs one place more"
-        );
+        assert!(FINE.is_multiple_of(2), "for odd numbers the reciprocal needs one place more");
     }
     let shift = const { FINE.trailing_zeros() };
     let (places, reciprocal) = const { reciprocal_of(FINE >> FINE.trailing_zeros()) };
@@ -116,9 +99,7 @@ mod tests {
     fn awkward(fine: u64) -> impl Iterator<Item = u64> {
         let powers = (0..64).map(|bit| 1 << bit);
         let multiples = (0..64).map(move |bit| (u64::MAX >> bit) / fine * fine);
-        powers
-            .chain(multiples)
-            .flat_map(|n: u64| [n.wrapping_sub(1), n, n.wrapping_add(1)])
+        powers.chain(multiples).flat_map(|n: u64| [n.wrapping_sub(1), n, n.wrapping_add(1)])
     }
 
     #[test]

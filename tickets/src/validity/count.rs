@@ -18,11 +18,7 @@ impl Invocations {
         if self.left > 0 {
             return Ok(());
         }
-        Err(Denial {
-            rule: Rule::Invocations,
-            short_by: 1,
-            until: None,
-        })
+        Err(Denial { rule: Rule::Invocations, short_by: 1, until: None })
     }
 
     pub(super) fn commit(&mut self) {
@@ -46,16 +42,10 @@ pub(super) struct Rate {
 impl Rate {
     pub(super) const fn new(burst: u32, period: Duration) -> Self {
         match burst.checked_sub(1) {
-            Some(ahead) => Self {
-                period,
-                tolerance: period.saturating_mul(ahead as u64),
-                due: Instant::START,
-            },
-            None => Self {
-                period,
-                tolerance: Duration::ZERO,
-                due: Instant::FAR_FUTURE,
-            },
+            Some(ahead) => {
+                Self { period, tolerance: period.saturating_mul(ahead as u64), due: Instant::START }
+            }
+            None => Self { period, tolerance: Duration::ZERO, due: Instant::FAR_FUTURE },
         }
     }
 
@@ -63,11 +53,7 @@ impl Rate {
         let ahead = self.due.since(now);
         if self.due == Instant::FAR_FUTURE {
             // No clock comes to its end, however large the tolerance.
-            return Err(Denial {
-                rule: Rule::Rate,
-                short_by: ahead.as_micros(),
-                until: None,
-            });
+            return Err(Denial { rule: Rule::Rate, short_by: ahead.as_micros(), until: None });
         }
         let wait = ahead.saturating_sub(self.tolerance);
         too_soon(wait, now, Rule::Rate)
@@ -87,10 +73,7 @@ pub(super) struct Separation {
 
 impl Separation {
     pub(super) const fn new(min: Duration) -> Self {
-        Self {
-            min,
-            next: Instant::START,
-        }
+        Self { min, next: Instant::START }
     }
 
     pub(super) fn check(&self, now: Instant) -> Result<(), Denial> {
@@ -106,9 +89,5 @@ fn too_soon(wait: Duration, now: Instant, rule: Rule) -> Result<(), Denial> {
     if wait.is_zero() {
         return Ok(());
     }
-    Err(Denial {
-        rule,
-        short_by: wait.as_micros(),
-        until: Some(now.after(wait)),
-    })
+    Err(Denial { rule, short_by: wait.as_micros(), until: Some(now.after(wait)) })
 }

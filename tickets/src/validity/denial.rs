@@ -19,11 +19,7 @@ pub struct Denial {
 impl Denial {
     /// A denial by a rule under which nothing can be short.
     pub(crate) const fn by(rule: Rule) -> Self {
-        Self {
-            rule,
-            short_by: 0,
-            until: None,
-        }
+        Self { rule, short_by: 0, until: None }
     }
 }
 
@@ -131,9 +127,6 @@ pub struct RanOut {
 impl RanOut {
     /// The end of the ticket.
     pub(super) const fn ends(rule: Rule) -> Self {
-        Self {
-            rule,
-            ends_ticket: true,
-        }
+        Self { rule, ends_ticket: true }
     }
 }

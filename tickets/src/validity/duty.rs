@@ -28,32 +28,18 @@ impl DutyCycle {
         if on == 0 || rest == 0 {
             return Err(NoDutyCycle);
         }
-        Ok(Self {
-            on,
-            rest,
-            drops: drops(on, rest),
-            since: Instant::START,
-            is_on: false,
-        })
+        Ok(Self { on, rest, drops: drops(on, rest), since: Instant::START, is_on: false })
     }
 
     pub(super) fn check(&self, now: Instant) -> Result<(), Denial> {
         if self.ran_out(now).is_some() {
             // The rest begins when it is seen off, and that is not known yet.
-            return Err(Denial {
-                rule: Rule::DutyCycle,
-                short_by: self.rest,
-                until: None,
-            });
+            return Err(Denial { rule: Rule::DutyCycle, short_by: self.rest, until: None });
         }
         match self.rests_until() {
             Some(until) if now < until => {
                 let short_by = until.since(now).as_micros();
-                Err(Denial {
-                    rule: Rule::DutyCycle,
-                    short_by,
-                    until: Some(until),
-                })
+                Err(Denial { rule: Rule::DutyCycle, short_by, until: Some(until) })
             }
             _ => Ok(()),
         }
@@ -73,16 +59,12 @@ impl DutyCycle {
     }
 
     pub(super) fn look_again_at(&self, now: Instant) -> Option<Instant> {
-        self.is_on
-            .then(|| soonest_end(self.drops_at(now), self.rest, now))
+        self.is_on.then(|| soonest_end(self.drops_at(now), self.rest, now))
     }
 
     pub(super) fn ran_out(&self, now: Instant) -> Option<RanOut> {
         let out = self.is_on && self.drops_at(now) == 0;
-        out.then_some(RanOut {
-            rule: Rule::DutyCycle,
-            ends_ticket: false,
-        })
+        out.then_some(RanOut { rule: Rule::DutyCycle, ends_ticket: false })
     }
 
     /// The end of the rest of a device that emptied its bucket. Until then it
@@ -93,12 +75,7 @@ impl DutyCycle {
     }
 
     fn settle(&mut self, at: Instant, is_on: bool) {
-        *self = Self {
-            drops: self.drops_at(at),
-            since: at,
-            is_on,
-            ..*self
-        };
+        *self = Self { drops: self.drops_at(at), since: at, is_on, ..*self };
     }
 
     fn drops_at(&self, now: Instant) -> u128 {
@@ -106,9 +83,7 @@ impl DutyCycle {
         if self.is_on {
             self.drops.saturating_sub(drops(elapsed, self.rest))
         } else {
-            self.drops
-                .saturating_add(drops(elapsed, self.on))
-                .min(drops(self.on, self.rest))
+            self.drops.saturating_add(drops(elapsed, self.on)).min(drops(self.on, self.rest))
         }
     }
 }

@@ -136,12 +136,7 @@ impl Function {
         range: RangeInclusive<i32>,
         max_age: Duration,
     ) -> Self {
-        Self(Kind::InRange(InRange::new(
-            channel,
-            *range.start(),
-            *range.end(),
-            max_age,
-        )))
+        Self(Kind::InRange(InRange::new(channel, *range.start(), *range.end(), max_age)))
     }
 
     /// Agrees while the spacecraft is in one of these modes.
@@ -152,10 +147,7 @@ impl Function {
 
     /// Whether it limits who may command, and so turning off as well.
     const fn limits_authority(&self) -> bool {
-        matches!(
-            self.0,
-            Kind::Window(_) | Kind::TimeLimit(_) | Kind::Lease(_)
-        )
+        matches!(self.0, Kind::Window(_) | Kind::TimeLimit(_) | Kind::Lease(_))
     }
 
     /// A limit on use does not look at a command that turns the device off.

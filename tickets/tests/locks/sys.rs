@@ -1,20 +1,13 @@
 //! What the tests of the locks ask of the operating system.
-#![expect(
-    unsafe_code,
-    reason = "thread ids, priorities and deaths are system calls"
-)]
+#![expect(unsafe_code, reason = "thread ids, priorities and deaths are system calls")]
 
 use std::{io, mem};
 
 use faregate_tickets::lock::CurrentThread;
 
 /// All by which a thread can ask for a priority-inheriting futex.
-pub(super) const PI_OPERATIONS: &[libc::c_int] = &[
-    libc::FUTEX_LOCK_PI,
-    libc::FUTEX_LOCK_PI2,
-    libc::FUTEX_TRYLOCK_PI,
-    libc::FUTEX_UNLOCK_PI,
-];
+pub(super) const PI_OPERATIONS: &[libc::c_int] =
+    &[libc::FUTEX_LOCK_PI, libc::FUTEX_LOCK_PI2, libc::FUTEX_TRYLOCK_PI, libc::FUTEX_UNLOCK_PI];
 
 pub(super) enum Kernel {}
 
@@ -39,9 +32,7 @@ pub(super) fn die() -> ! {
 }
 
 pub(super) fn run_at_fifo(priority: i32) -> io::Result<()> {
-    let parameters = libc::sched_param {
-        sched_priority: priority,
-    };
+    let parameters = libc::sched_param { sched_priority: priority };
     // SAFETY: `parameters` is readable; 0 is the calling thread.
     match unsafe { libc::sched_setscheduler(0, libc::SCHED_FIFO, &raw const parameters) } {
         0 => Ok(()),
@@ -84,39 +75,22 @@ pub(super) fn refuse_futex(operations: &[libc::c_int], errno: libc::c_int) {
         ));
         filter.push(step(libc::BPF_RET | libc::BPF_K, refuse, 0, 0));
     }
-    filter.push(step(
-        libc::BPF_RET | libc::BPF_K,
-        libc::SECCOMP_RET_ALLOW,
-        0,
-        0,
-    ));
+    filter.push(step(libc::BPF_RET | libc::BPF_K, libc::SECCOMP_RET_ALLOW, 0, 0));
     install(&mut filter);
 }
 
 fn step(code: u32, k: u32, jt: u8, jf: u8) -> libc::sock_filter {
-    libc::sock_filter {
-        code: u16::try_from(code).unwrap(),
-        jt,
-        jf,
-        k,
-    }
+    libc::sock_filter { code: u16::try_from(code).unwrap(), jt, jf, k }
 }
 
 fn install(filter: &mut [libc::sock_filter]) {
-    let program = libc::sock_fprog {
-        len: u16::try_from(filter.len()).unwrap(),
-        filter: filter.as_mut_ptr(),
-    };
+    let program =
+        libc::sock_fprog { len: u16::try_from(filter.len()).unwrap(), filter: filter.as_mut_ptr() };
     // SAFETY: takes numbers only.
     let answer = unsafe { libc::prctl(libc::PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) };
     assert_eq!(answer, 0, "{}", io::Error::last_os_error());
     // SAFETY: `program` and the filter it points to are readable.
-    let answer = unsafe {
-        libc::prctl(
-            libc::PR_SET_SECCOMP,
-            libc::SECCOMP_MODE_FILTER,
-            &raw const program,
-        )
-    };
+    let answer =
+        unsafe { libc::prctl(libc::PR_SET_SECCOMP, libc::SECCOMP_MODE_FILTER, &raw const program) };
     assert_eq!(answer, 0, "{}", io::Error::last_os_error());
 }

@@ -9,14 +9,8 @@ fn energy_flows_from_the_on_command_until_it_is_used_up() {
     assert_eq!(invoke(&mut energy, 100, on(2 * W)), Ok(()));
     assert_eq!(energy.ran_out(at(599)), None);
     assert_eq!(energy.ran_out(at(600)), over(Rule::Energy));
-    assert_eq!(
-        energy.check(&ask(600, on(2 * W))),
-        denial(Rule::Energy, 1, None)
-    );
-    assert_eq!(
-        energy.check(&ask(603, Effect::Unchanged)),
-        denial(Rule::Energy, 7, None)
-    );
+    assert_eq!(energy.check(&ask(600, on(2 * W))), denial(Rule::Energy, 1, None));
+    assert_eq!(energy.check(&ask(603, Effect::Unchanged)), denial(Rule::Energy, 7, None));
     assert_eq!(energy.check(&ask(700, Effect::Off)), Ok(()));
 }
 
@@ -24,18 +18,12 @@ fn energy_flows_from_the_on_command_until_it_is_used_up() {
 fn propellant_flows_as_energy_does() {
     // 50 mg/s for 2 s are 100 mg.
     let flow = MilligramsPerSecond::new(50);
-    let fire = Effect::On {
-        draw: Milliwatts::new(7),
-        flow,
-    };
+    let fire = Effect::On { draw: Milliwatts::new(7), flow };
     let mut propellant = validity(Function::propellant(Milligrams::new(100)));
     assert_eq!(invoke(&mut propellant, 0, fire), Ok(()));
     assert_eq!(propellant.ran_out(at(1_999_999)), None);
     assert_eq!(propellant.ran_out(at(2_000_000)), over(Rule::Propellant));
-    assert_eq!(
-        propellant.check(&ask(2_100_000, fire)),
-        denial(Rule::Propellant, 6, None)
-    );
+    assert_eq!(propellant.check(&ask(2_100_000, fire)), denial(Rule::Propellant, 6, None));
     propellant.confirmed_off(at(1_000_001));
     assert_eq!(propellant.propellant_left(), Milligrams::new(49));
     assert_eq!(propellant.energy_left(), Microjoules::ZERO);

@@ -3,19 +3,12 @@
 use super::*;
 
 fn seen(table: &Telemetry, now: u64, effect: Effect) -> Ask<'_> {
-    Ask {
-        now: at(now),
-        effect,
-        telemetry: Some(table),
-    }
+    Ask { now: at(now), effect, telemetry: Some(table) }
 }
 
 fn range() -> (Channel, Validity) {
     let channel = Channel::new(3).expect("less than 16");
-    (
-        channel,
-        validity(Function::telemetry(channel, -5..=40, us(100))),
-    )
+    (channel, validity(Function::telemetry(channel, -5..=40, us(100))))
 }
 
 #[test]
@@ -30,12 +23,9 @@ fn what_was_never_measured_is_too_old() {
 fn a_value_must_be_in_range_and_fresh() {
     let (channel, warm) = range();
     let table = Telemetry::new();
-    for (value, short_by) in [
-        (-6, 1),
-        (i32::MIN, 2_147_483_643),
-        (41, 1),
-        (i32::MAX, 2_147_483_607),
-    ] {
+    for (value, short_by) in
+        [(-6, 1), (i32::MIN, 2_147_483_643), (41, 1), (i32::MAX, 2_147_483_607)]
+    {
         table.publish(channel, value, at(1_000));
         assert_eq!(
             warm.check(&seen(&table, 1_000, on(W))),
@@ -46,10 +36,7 @@ fn a_value_must_be_in_range_and_fresh() {
     for value in [-5, -4, 0, 39, 40] {
         table.publish(channel, value, at(1_000));
         assert_eq!(warm.check(&seen(&table, 1_100, on(W))), Ok(()));
-        assert_eq!(
-            warm.check(&seen(&table, 1_102, on(W))),
-            denial(Rule::TelemetryAge, 2, None)
-        );
+        assert_eq!(warm.check(&seen(&table, 1_102, on(W))), denial(Rule::TelemetryAge, 2, None));
     }
 }
 

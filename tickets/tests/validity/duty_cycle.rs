@@ -6,10 +6,7 @@ fn three_of_ten() -> Validity {
     validity(Function::duty_cycle(us(300), us(1_000)).expect("300 of 1000"))
 }
 
-const MUST_REST: Option<RanOut> = Some(RanOut {
-    rule: Rule::DutyCycle,
-    ends_ticket: false,
-});
+const MUST_REST: Option<RanOut> = Some(RanOut { rule: Rule::DutyCycle, ends_ticket: false });
 
 #[test]
 fn nothing_and_everything_are_no_duty_cycles() {
@@ -23,24 +20,12 @@ fn nothing_and_everything_are_no_duty_cycles() {
 fn a_device_that_was_on_for_its_share_must_rest_for_the_whole_remainder() {
     let mut cycle = three_of_ten();
     invoke(&mut cycle, 0, on(W)).unwrap();
-    assert_eq!(
-        (cycle.ran_out(at(299)), cycle.ran_out(at(300))),
-        (None, MUST_REST)
-    );
-    assert_eq!(
-        cycle.check(&ask(300, on(W))),
-        denial(Rule::DutyCycle, 700, None)
-    );
+    assert_eq!((cycle.ran_out(at(299)), cycle.ran_out(at(300))), (None, MUST_REST));
+    assert_eq!(cycle.check(&ask(300, on(W))), denial(Rule::DutyCycle, 700, None));
     assert_eq!(cycle.rests_until(), None);
     cycle.confirmed_off(at(310));
-    assert_eq!(
-        (cycle.ran_out(at(311)), cycle.rests_until()),
-        (None, Some(at(1_010)))
-    );
-    assert_eq!(
-        cycle.check(&ask(1_000, on(W))),
-        denial(Rule::DutyCycle, 10, Some(1_010))
-    );
+    assert_eq!((cycle.ran_out(at(311)), cycle.rests_until()), (None, Some(at(1_010))));
+    assert_eq!(cycle.check(&ask(1_000, on(W))), denial(Rule::DutyCycle, 10, Some(1_010)));
     assert_eq!(invoke(&mut cycle, 1_010, on(W)), Ok(()));
     assert_eq!(cycle.ran_out(at(1_309)), None);
     assert_eq!(cycle.ran_out(at(1_310)), MUST_REST);
@@ -53,10 +38,7 @@ fn a_short_rest_earns_its_share_and_no_rest_earns_more_than_the_bucket_holds() {
     cycle.confirmed_off(at(200));
     // 100 us are left, and 140 us of rest earn 60 more.
     invoke(&mut cycle, 340, on(W)).unwrap();
-    assert_eq!(
-        (cycle.ran_out(at(499)), cycle.ran_out(at(500))),
-        (None, MUST_REST)
-    );
+    assert_eq!((cycle.ran_out(at(499)), cycle.ran_out(at(500))), (None, MUST_REST));
     cycle.confirmed_off(at(341));
     invoke(&mut cycle, 1_000_000, on(W)).unwrap();
     assert_eq!(cycle.ran_out(at(1_000_299)), None);

@@ -123,10 +123,7 @@ fn under_an_agent(validity: &mut Validity, history: &[(u64, Event)]) -> OnTimes 
     let mut now = 0;
     for (wait, event) in history {
         let next = now + wait;
-        while let Some(look) = validity
-            .look_again_at(at(now))
-            .filter(|look| *look <= at(next))
-        {
+        while let Some(look) = validity.look_again_at(at(now)).filter(|look| *look <= at(next)) {
             now = look.as_micros().max(now);
             if validity.ran_out(look).is_some() {
                 validity.confirmed_off(at(now));

@@ -14,10 +14,7 @@ pub(super) struct Way {
 }
 
 impl Way {
-    pub(super) const FOREVER: Self = Self {
-        operation: libc::FUTEX_LOCK_PI,
-        deadline: None,
-    };
+    pub(super) const FOREVER: Self = Self { operation: libc::FUTEX_LOCK_PI, deadline: None };
 
     /// `FUTEX_LOCK_PI` reads its deadline on the wall clock, `FUTEX_LOCK_PI2`
     /// on the monotonic one.
@@ -26,10 +23,7 @@ impl Way {
             libc::CLOCK_MONOTONIC => libc::FUTEX_LOCK_PI2,
             _ => libc::FUTEX_LOCK_PI,
         };
-        Self {
-            operation,
-            deadline: Some(later(now(clock), timeout)),
-        }
+        Self { operation, deadline: Some(later(now(clock), timeout)) }
     }
 
     /// The way on kernels without `FUTEX_LOCK_PI2`: there the wall clock, when
@@ -64,10 +58,7 @@ fn later(start: timespec, timeout: Duration) -> timespec {
 }
 
 fn now(clock: clockid_t) -> timespec {
-    let mut now = timespec {
-        tv_sec: 0,
-        tv_nsec: 0,
-    };
+    let mut now = timespec { tv_sec: 0, tv_nsec: 0 };
     // SAFETY: `now` is writable. The call cannot fail: both clocks exist on
     // every Linux.
     unsafe { libc::clock_gettime(clock, &raw mut now) };
