@@ -1,6 +1,5 @@
 //! The interleaver: what a seed decides, and what holds under every seed.
 
-use std::cell::Cell;
 use std::collections::HashSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
@@ -8,11 +7,11 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use faregate_devices_sim::SimClock;
 use faregate_devices_sim::interleave::{
-    self, End, Interleaver, Over, Report, Schedule, SimLock, WakeFlag,
+    self, End, Interleaver, Over, Report, Schedule, SimLock, SimLocked, WakeFlag,
 };
 use faregate_tickets::clock::{Clock, Duration, Instant};
 use faregate_tickets::id::Priority;
-use faregate_tickets::lock::{Exclusion, Shut};
+use faregate_tickets::lock::{Exclusion, Shut, Strategy};
 
 const SECOND: Instant = Instant::from_micros(1_000_000);
 
@@ -95,7 +94,7 @@ fn time_moves_only_when_everybody_waits_and_then_to_the_earliest_wake() {
 #[test]
 fn one_body_at_a_time_is_inside_a_lock_even_when_it_sleeps_there() {
     for seed in 0..200 {
-        let lock = SimLock::new(0_u32);
+        let lock = <SimLocked as Strategy>::Lock::new(0_u32);
         let inside = AtomicU32::new(0);
         let mut threads = Interleaver::new(&SimClock::virtual_time(), seed);
         for _ in 0..3 {
@@ -363,15 +362,14 @@ fn whoever_holds_a_lock_inherits_the_priority_of_who_waits_for_it() {
 
 #[test]
 fn under_priorities_a_spinning_body_keeps_out_a_less_important_one() {
-    let never = Cell::new(false);
-    let never = std::sync::Mutex::new(never);
+    let over = AtomicBool::new(false);
     let mut threads = Interleaver::new(&SimClock::virtual_time(), 0).schedule(Schedule::Priorities);
     threads.spawn("spins", Priority::EMERGENCY, || {
-        while !never.lock().unwrap().get() {
+        while !over.load(Ordering::Relaxed) {
             interleave::switch_point("spins");
         }
     });
-    threads.spawn("would end it", Priority::LEAST, || never.lock().unwrap().set(true));
+    threads.spawn("would end it", Priority::LEAST, || over.store(true, Ordering::Relaxed));
     assert_eq!(threads.run(SECOND).over, Over::Livelocked);
 }
 
@@ -460,13 +458,21 @@ fn a_condition_that_never_holds_ends_at_its_deadline_or_stalls() {
 
 #[test]
 fn outside_an_interleaver_a_lock_is_an_ordinary_one() {
-    let lock = SimLock::new(0_u64);
+    let (lock, clock) = (SimLock::new(0_u32), SimClock::real_time());
+    let (is_inside, inside) = std::sync::mpsc::channel();
     std::thread::scope(|scope| {
-        for _ in 0..4 {
-            scope.spawn(|| (0..1_000).for_each(|_| lock.with(|count| *count += 1).unwrap()));
-        }
+        scope.spawn(|| {
+            lock.with(|count| {
+                is_inside.send(()).unwrap();
+                clock.wait_until(clock.now().after(Duration::from_millis(30)));
+                *count += 1;
+            })
+        });
+        inside.recv().unwrap();
+        assert_eq!(lock.try_with(|_| ()), Err(Shut::Busy));
+        assert_eq!(lock.with_until(Duration::from_millis(1), |_, _| ()), Err(Shut::TimedOut));
+        assert_eq!(lock.with(|count| *count), Ok(1));
     });
-    assert_eq!(lock.with_until(Duration::ZERO, |count, _| *count), Ok(4_000));
 }
 
 struct OnDrop<F: FnMut()>(F);

@@ -146,13 +146,10 @@ pub(super) fn block(cause: Cause, until: Instant) -> Waiting {
     }
 }
 
-/// A wait after the run is over. Locks are still waited for, because exclusion
+/// A wait of an unwinding body after the run is over. (One that caught its
+/// unwinding was thrown at again by the switch point before this.) Locks are still waited for, because exclusion
 /// must hold to the end; all other waits are over at once.
 fn block_abandoned(cause: Cause) -> Waiting {
-    if !panicking() {
-        // Somebody caught what should have unwound this body.
-        throw_abandoned();
-    }
     if matches!(cause, Cause::Lock { .. }) {
         core::with(|core| core.block(cause, Instant::FAR_FUTURE));
         generator::co_yield_with(());

@@ -156,7 +156,7 @@ impl Core {
             stopped: false,
             choices: 0,
             resumes: 0,
-            fingerprint: seed,
+            fingerprint: 0,
             log: None,
             progress: 0,
             chosen: None,

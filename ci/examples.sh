@@ -1,0 +1,14 @@
+#!/usr/bin/env bash
+# Runs every example to its end. Usage: ci/examples.sh
+set -euo pipefail
+cd "$(dirname "$0")/.."
+for file in examples/*.rs; do
+    example=$(basename "$file" .rs)
+    echo "== $example"
+    cargo run --locked --quiet --release --example "$example" >"target/example-$example.log" 2>&1 || {
+        cat "target/example-$example.log"
+        echo "example $example failed" >&2
+        exit 1
+    }
+    tail -n 3 "target/example-$example.log"
+done

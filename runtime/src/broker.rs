@@ -1,0 +1,357 @@
+//! The broker of a program with threads: put together once, served by a thread
+//! of its own, and waited for.
+//!
+//! All allocation is at construction. Gates and agents live as long as the
+//! program does, so tickets can go to any thread.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::{fmt, io};
+
+use faregate_agents::{
+    AgentId, Categories, Policy, RegisterError, RequestRefused, Supervisor, Waiting, Want, Wants,
+};
+use faregate_tickets::Gate;
+use faregate_tickets::clock::{Clock, Duration};
+use faregate_tickets::device::Device;
+use faregate_tickets::id::{GateId, Priority};
+use faregate_tickets::interlock::Member;
+use faregate_tickets::refusal::Refusal;
+use faregate_tickets::standing::Why;
+use faregate_tickets::telemetry::Telemetry;
+
+use crate::clock::MonotonicClock;
+use crate::host::Host;
+use crate::lanes::{Draining, Recorder};
+use crate::waiters::{TooManyWait, Waiters};
+
+/// The most gates of a [`Broker`].
+pub const GATES: usize = 32;
+/// The most tickets of a [`Broker`].
+pub const TICKETS: usize = 1024;
+/// The most all-or-nothing requests of a [`Broker`].
+pub const SETS: usize = 32;
+/// The most threads that wait for a ticket at the same time.
+pub const WAITERS: usize = 64;
+/// How many records a lane of the flight recorder holds between two drains.
+const LANE: usize = 4096;
+
+/// The agents' broker, on a host.
+pub type Agents = faregate_agents::Broker<'static, Host, &'static Waiters, GATES, TICKETS, SETS>;
+
+/// A ticket for a device of type `D`.
+pub type Ticket<D> = faregate_tickets::Ticket<'static, D, Host, Agents>;
+
+/// Names a gate with a device of type `D` in requests.
+pub type Handle<D> = faregate_agents::Handle<'static, D, Host>;
+
+/// Puts a [`Broker`] together.
+pub struct Builder {
+    agents: Box<Agents>,
+    waiters: &'static Waiters,
+    recorder: Recorder,
+    priority: Option<u8>,
+    drain_every: Duration,
+}
+
+/// What a gate has beside its driver.
+#[derive(Debug, Default)]
+pub struct GateOptions {
+    categories: Categories,
+    telemetry: Option<&'static Telemetry>,
+    interlock: Option<Member<'static>>,
+}
+
+impl GateOptions {
+    /// Nothing.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Conflict categories.
+    #[must_use]
+    pub fn categories(mut self, categories: Categories) -> Self {
+        self.categories = categories;
+        self
+    }
+
+    /// State variables that validity functions look at.
+    #[must_use]
+    pub fn watching(mut self, telemetry: &'static Telemetry) -> Self {
+        self.telemetry = Some(telemetry);
+        self
+    }
+
+    /// A place on one side of an interlock.
+    #[must_use]
+    pub fn interlocked(mut self, member: Member<'static>) -> Self {
+        self.interlock = Some(member);
+        self
+    }
+}
+
+impl Builder {
+    /// Adds an agent.
+    ///
+    /// # Errors
+    /// [`RegisterError::NoCapacity`].
+    pub fn agent(&mut self, policy: Policy) -> Result<AgentId, RegisterError> {
+        self.agents.agent(policy)
+    }
+
+    /// Moves a driver behind a gate of this agent. Its lane in the flight
+    /// recorder has this name.
+    ///
+    /// # Errors
+    /// [`RegisterError`].
+    pub fn gate<D: Device + 'static>(
+        &mut self,
+        agent: AgentId,
+        name: &str,
+        driver: D,
+    ) -> Result<Handle<D>, RegisterError> {
+        self.gate_with(agent, name, driver, GateOptions::new())
+    }
+
+    /// Like [`Builder::gate`], with options.
+    ///
+    /// # Errors
+    /// [`RegisterError`].
+    pub fn gate_with<D: Device + 'static>(
+        &mut self,
+        agent: AgentId,
+        name: &str,
+        driver: D,
+        options: GateOptions,
+    ) -> Result<Handle<D>, RegisterError> {
+        let lane = self.recorder.lane(name, LANE);
+        let mut gate = Gate::<D, Host>::new(driver, MonotonicClock::new(), lane);
+        if let Some(telemetry) = options.telemetry {
+            gate = gate.watching(telemetry);
+        }
+        if let Some(member) = options.interlock {
+            gate = gate.interlocked(member);
+        }
+        let key = Box::leak(Box::new(gate)).key();
+        self.agents.register_with_categories(agent, key, options.categories)
+    }
+
+    /// Makes a supervisor of the whole broker.
+    pub fn supervisor(&mut self) -> Supervisor {
+        self.agents.supervisor()
+    }
+
+    /// Runs the service thread with SCHED_FIFO at this priority (1 to 99),
+    /// which belongs above all holders. Whether the host permits it is in
+    /// [`Broker::real_time_report`].
+    #[must_use]
+    pub fn real_time(mut self, priority: u8) -> Self {
+        self.priority = Some(priority);
+        self
+    }
+
+    /// Starts the service and recorder threads.
+    ///
+    /// # Errors
+    /// When the host has no thread or file descriptor left.
+    pub fn start(self) -> io::Result<Broker> {
+        let agents: &'static Agents = Box::leak(self.agents);
+        let waiters = self.waiters;
+        let stop = Arc::new(AtomicBool::new(false));
+        let draining = self.recorder.start(self.drain_every.into())?;
+        let (tell, told) = std::sync::mpsc::sync_channel(1);
+        let (priority, stopping) = (self.priority, Arc::clone(&stop));
+        let thread = std::thread::Builder::new().name("faregate-service".into());
+        let service = thread.spawn(move || {
+            let _ = tell.send(set_up(priority));
+            serve(agents, waiters, &stopping);
+        })?;
+        let report = told.recv().unwrap_or_default();
+        let threads = Threads { service: Some(service), draining: Some(draining), stop, waiters };
+        Ok(Broker { agents, waiters, report, _threads: Arc::new(threads) })
+    }
+}
+
+impl fmt::Debug for Builder {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Builder").field("agents", &self.agents).finish_non_exhaustive()
+    }
+}
+
+/// What the host permitted of the real-time set-up, in words.
+pub type RealTimeReport = Option<String>;
+
+#[cfg(target_os = "linux")]
+fn set_up(priority: Option<u8>) -> RealTimeReport {
+    let priority = priority?;
+    let report = crate::realtime::RealTime::request().fifo(priority).apply();
+    Some(report.to_string())
+}
+
+#[cfg(not(target_os = "linux"))]
+fn set_up(priority: Option<u8>) -> RealTimeReport {
+    priority.map(|_| "this host has no real-time scheduling that we know of".into())
+}
+
+fn serve(agents: &Agents, waiters: &Waiters, stop: &AtomicBool) {
+    // Acquire: pairs with the Release in `Threads::drop`.
+    while !stop.load(Ordering::Acquire) {
+        let due = agents.service();
+        waiters.wait_for_service(due);
+    }
+}
+
+/// The threads behind a broker; they end with its last clone.
+struct Threads {
+    service: Option<JoinHandle<()>>,
+    draining: Option<Draining>,
+    stop: Arc<AtomicBool>,
+    waiters: &'static Waiters,
+}
+
+impl Drop for Threads {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Release);
+        self.waiters.wake_service();
+        if let Some(service) = self.service.take() {
+            // It has nothing to say, and a panic in it was printed.
+            let _ = service.join();
+        }
+        if let Some(draining) = self.draining.take() {
+            let _ = draining.stop();
+        }
+    }
+}
+
+/// All ticket agents of a program, with their service thread.
+#[derive(Clone)]
+pub struct Broker {
+    agents: &'static Agents,
+    waiters: &'static Waiters,
+    report: RealTimeReport,
+    _threads: Arc<Threads>,
+}
+
+/// Why a wait for a ticket ended without it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NotValid {
+    /// The time is over; what the ticket waits for, where the books know.
+    TimedOut(Option<Waiting>),
+    /// The ticket has expired: waiting does not help.
+    Expired,
+    /// Too many threads wait already.
+    TooManyWait,
+}
+
+impl fmt::Display for NotValid {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::TimedOut(Some(waiting)) => write!(f, "not valid in time: {waiting}"),
+            Self::TimedOut(None) => f.write_str("not valid in time"),
+            Self::Expired => f.write_str("the ticket has expired; request a new one"),
+            Self::TooManyWait => write!(f, "{WAITERS} threads wait for tickets already"),
+        }
+    }
+}
+
+impl std::error::Error for NotValid {}
+
+impl Broker {
+    /// Begins to put a broker together.
+    ///
+    /// # Errors
+    /// When the host has no file descriptor left for the wake-ups, or its
+    /// kernel has no locks with priority inheritance.
+    pub fn builder() -> io::Result<Builder> {
+        crate::host::check()?;
+        let waiters: &'static Waiters = Box::leak(Box::new(Waiters::new()?));
+        let mut recorder = Recorder::new();
+        let lane = recorder.lane("broker", LANE);
+        let agents = Box::new(Agents::new(MonotonicClock::new(), lane, waiters));
+        let drain_every = Duration::from_millis(20);
+        Ok(Builder { agents, waiters, recorder, priority: None, drain_every })
+    }
+
+    /// Requests tickets; see [`faregate_agents::Broker::request`].
+    ///
+    /// # Errors
+    /// Only what can never be is refused here.
+    pub fn request<W>(&self, priority: Priority, wants: &W) -> Result<W::Tickets, RequestRefused>
+    where
+        W: Wants<'static, 'static, Host, &'static Waiters, GATES, TICKETS, SETS>,
+    {
+        self.agents.request(priority, wants)
+    }
+
+    /// Asks for one more gate; see [`faregate_agents::Broker::extend`].
+    ///
+    /// # Errors
+    /// [`RequestRefused`], and everything is as it was.
+    pub fn extend<D: Device, E: Device>(
+        &self,
+        ticket: &Ticket<D>,
+        want: &Want<'static, E, Host>,
+    ) -> Result<Ticket<E>, RequestRefused> {
+        self.agents.extend(ticket, want)
+    }
+
+    /// Waits until the ticket is valid, and drives the hand-over at the
+    /// caller's own priority meanwhile.
+    ///
+    /// # Errors
+    /// [`NotValid`], with what the ticket waits for.
+    ///
+    /// # Timing
+    /// At most `timeout`, and the step of a hand-over that is in progress then.
+    ///
+    /// # After revocation
+    /// Waits until the ticket is restored.
+    pub fn wait<D: Device>(&self, ticket: &Ticket<D>, timeout: Duration) -> Result<(), NotValid> {
+        let deadline = MonotonicClock::new().now().after(timeout);
+        let waiter =
+            self.waiters.register(ticket.id()).map_err(|TooManyWait| NotValid::TooManyWait)?;
+        loop {
+            let due = self.agents.service();
+            match ticket.check() {
+                Ok(()) => return Ok(()),
+                Err(Refusal::NotValid(Why::Expired)) => return Err(NotValid::Expired),
+                Err(_) if MonotonicClock::new().now() >= deadline => {
+                    return Err(NotValid::TimedOut(self.agents.waiting_for(ticket.id())));
+                }
+                Err(_) => waiter.wait_until(due.map_or(deadline, |due| due.min(deadline))),
+            }
+        }
+    }
+
+    /// What the sensors say about a device; see
+    /// [`faregate_agents::Broker::observe`].
+    pub fn observe(&self, gate: GateId, estimate: faregate_tickets::device::Estimate) {
+        self.agents.observe(gate, estimate);
+    }
+
+    /// The agents themselves: supplies, supervision, reports, bounds.
+    #[must_use]
+    pub fn agents(&self) -> &'static Agents {
+        self.agents
+    }
+
+    /// What the host permitted, if real-time service was asked for.
+    #[must_use]
+    pub fn real_time_report(&self) -> Option<&str> {
+        self.report.as_deref()
+    }
+
+    /// The broker's clock, by which estimates are dated.
+    #[must_use]
+    pub fn clock(&self) -> MonotonicClock {
+        MonotonicClock::new()
+    }
+}
+
+impl fmt::Debug for Broker {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Broker").field("agents", &self.agents).finish_non_exhaustive()
+    }
+}
