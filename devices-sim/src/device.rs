@@ -98,11 +98,13 @@ pub(crate) mod sealed {
 }
 
 /// What all devices declare alike: command times, and when an estimate has
-/// come: the next measurement may be a period away.
+/// come: the next measurement may be a period away, and it may say nothing.
 pub(crate) fn common_profile(parameters: &Parameters) -> Profile {
     let mut profile = Profile::new();
     profile.longest_command = COMMAND_TIME_MAX;
     profile.longest_safing = COMMAND_TIME_MAX;
-    profile.estimate_lag = parameters.sensor_lag.saturating_add(parameters.sensor_period);
+    profile.estimate_lag =
+        parameters.sensor_lag.saturating_add(parameters.sensor_period.saturating_mul(2));
+    profile.overrun_factor = parameters.overrun_factor;
     profile
 }

@@ -76,6 +76,7 @@ pub use heaters::{Heaters, HeatersCommand};
 pub use law::Law;
 pub use parameters::Parameters;
 pub use plant::Truth;
+pub use random::Dice;
 pub use sensors::Measured;
 pub use spacecraft::Spacecraft;
 pub use thruster::{Thruster, ThrusterCommand};

@@ -76,6 +76,9 @@ pub struct Parameters {
     pub sensor_lag: Duration,
     /// How many of a thousand measurements say nothing.
     pub sensor_unknown_permille: u16,
+    /// A command that takes so many times its declared time has overrun. In
+    /// virtual time none does by itself; a busy host makes threads oversleep.
+    pub overrun_factor: u8,
 }
 
 impl Default for Parameters {
@@ -102,6 +105,7 @@ impl Default for Parameters {
             sensor_period: Duration::from_millis(5),
             sensor_lag: Duration::from_millis(20),
             sensor_unknown_permille: 20,
+            overrun_factor: 4,
         }
     }
 }

@@ -4,28 +4,30 @@
 
 /// A sequence of pseudo-random numbers.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Dice(u64);
+pub struct Dice(u64);
 
 impl Dice {
     /// Dice for one purpose: the same seed gives unrelated dice for different
     /// purposes, so that one more throw here does not change what falls there.
-    pub(crate) fn new(seed: u64, purpose: u64) -> Self {
+    #[must_use]
+    pub fn new(seed: u64, purpose: u64) -> Self {
         Self(mix(seed) ^ mix(purpose.wrapping_add(0x5EED)))
     }
 
-    pub(crate) fn throw(&mut self) -> u64 {
+    /// The next number.
+    pub fn throw(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         mix(self.0)
     }
 
     /// A number below `end`; 0 where `end` is 0. The bias of the remainder is
     /// below 2^-40 for the small ends used here.
-    pub(crate) fn below(&mut self, end: u64) -> u64 {
+    pub fn below(&mut self, end: u64) -> u64 {
         self.throw().checked_rem(end).unwrap_or(0)
     }
 
     /// An index into something of this length.
-    pub(crate) fn index(&mut self, len: usize) -> usize {
+    pub fn index(&mut self, len: usize) -> usize {
         let end = u64::try_from(len).unwrap_or(u64::MAX);
         usize::try_from(self.below(end)).unwrap_or(0)
     }

@@ -87,8 +87,9 @@ impl Scope {
     }
 
     pub(crate) fn set_floor(&self, floor: Priority) {
-        // Relaxed: ordered before the increment by that one's Release.
-        self.floor.store(usize::from(floor.level()), Ordering::Relaxed);
+        // Release: who acquires this floor sees the exemption announced before
+        // it. The increment comes after it by its own Release.
+        self.floor.store(usize::from(floor.level()), Ordering::Release);
     }
 
     /// Lifts the floor. Tickets come back as their agents get to them.
@@ -112,9 +113,10 @@ impl Scope {
         #[cfg(not(feature = "mutant-late-epoch"))]
         {
             // Acquire: pairs with the Release increment; the floor read after
-            // it is at least as new.
+            // it is at least as new. Acquire again: pairs with `set_floor`, which
+            // can be seen before the increment.
             let epoch = self.epoch.load(Ordering::Acquire);
-            Seen { epoch, floor: self.floor.load(Ordering::Relaxed) }
+            Seen { epoch, floor: self.floor.load(Ordering::Acquire) }
         }
     }
 

@@ -258,7 +258,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
             Some(Waiting::Faulted { .. }) => return Why::GateFaulted,
             Some(Waiting::Gate { by, .. } | Waiting::Exclusive { by }) => Some(by.seat),
             Some(Waiting::Categories { by, .. }) => by.map(|by| by.seat),
-            Some(Waiting::Margin { .. }) => self.margin_taker(grant.gates, candidates, choice),
+            Some(Waiting::Margin { .. }) => self.margin_taker(seat, candidates, choice),
             _ => None,
         };
         match taker.and_then(|taker| Some((taker, self.grant(taker)?))) {
@@ -272,10 +272,12 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
 
     /// The most important one that was chosen, draws on the same supply, and
     /// has not got it yet.
-    fn margin_taker(&self, gates: u64, candidates: &Candidates, choice: &Choice) -> Option<u16> {
+    fn margin_taker(&self, victim: u16, candidates: &Candidates, choice: &Choice) -> Option<u16> {
+        let gates = self.grant(victim)?.gates;
         let agents =
             |bits| gates_of(bits).filter_map(|gate| self.device(gate)).map(|device| device.agent);
-        candidates.iter().copied().find(|seat| {
+        let mut before = candidates.iter().copied().take_while(|seat| *seat != victim);
+        before.find(|seat| {
             let Some(grant) = self.grant(*seat) else { return false };
             let shares = agents(grant.gates).any(|agent| agents(gates).any(|other| other == agent));
             choice.has(*seat, grant.gates) && !grant.is_granted() && shares
@@ -346,7 +348,9 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
                 return false;
             };
             self.neighbours(gates, device.agent).all(|(_, other)| {
-                let excluded = policy.exclusive && !other.is_quiescent();
+                // A command that never comes back has had its deadline.
+                let excluded =
+                    policy.exclusive && !other.is_quiescent() && !other.is_immovable();
                 let charged = other.phase != Phase::Off;
                 let conflicts =
                     policy.categories && charged && device.categories.overlaps(other.categories);
@@ -384,16 +388,16 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         let (gates, serial) = (grant.gates, grant.serial);
         for gate in gates_of(gates) {
             self.settle_last_user(gate, self.now);
+            self.end_rest(gate);
             let agent = self.device(gate).and_then(|device| self.agent(device.agent));
             let stamp = agent.map_or(0, |agent| agent.seen.epoch);
             if let Some(device) = self.device_mut(gate) {
                 device.phase = Phase::Admitting;
                 device.tenant = Some(seat);
                 device.agent_stamp = stamp;
-                device.attempts = 0;
+                device.failed = 0;
                 device.must_safe = false;
                 device.needed_off = false;
-                device.tell_off = None;
                 device.last_user = LastUser::Grant { seat, serial };
             }
         }

@@ -1,7 +1,7 @@
 //! What the books know of one device: how far it is from drawing nothing.
 
 use faregate_tickets::clock::Instant;
-use faregate_tickets::device::{Estimate, Profile};
+use faregate_tickets::device::{Estimate, Profile, WhenOrphaned};
 use faregate_tickets::fault::GateFault;
 use faregate_tickets::id::GateId;
 use faregate_tickets::validity::Validity;
@@ -54,7 +54,10 @@ pub(crate) enum LastUser {
         serial: usize,
     },
     /// A grant that is gone, with what it left of its budgets.
-    Gone(Validity),
+    Gone {
+        serial: usize,
+        validity: Validity,
+    },
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -69,8 +72,11 @@ pub(crate) struct DeviceBook {
     pub(crate) tenant: Option<u16>,
     /// The agent's epoch that was read before the grant.
     pub(crate) agent_stamp: usize,
-    /// Safing attempts since it was quiescent.
+    /// The number of the latest safing attempt in this tenure, as its gate
+    /// counts them.
     pub(crate) attempts: u8,
+    /// How many attempts failed since it was vacated, seen off or reset.
+    pub(crate) failed: u8,
     /// Made safe as often as declared, and not seen off since. A ticket can use
     /// it all the same; to take that ticket would free nothing.
     pub(crate) stuck: bool,
@@ -98,10 +104,11 @@ impl DeviceBook {
             tenant: None,
             agent_stamp: 0,
             attempts: 0,
+            failed: 0,
             stuck: false,
             counts_from: now,
             seen: None,
-            must_safe: false,
+            must_safe: profile.when_orphaned == WhenOrphaned::SafeAtOnce,
             needed_off: false,
             fault: None,
             tell_off: None,
@@ -120,6 +127,11 @@ impl DeviceBook {
             self.phase = Phase::Leaving { hung: false, retry_at: Instant::START };
         }
         self.tenant = None;
+    }
+
+    /// Nobody holds a ticket for it any more, and it may be on.
+    pub(crate) fn orphaned(&mut self) {
+        self.must_safe |= self.profile.when_orphaned == WhenOrphaned::SafeAtOnce;
     }
 
     /// Whether its commands may be in progress, or its ticket valid.
@@ -147,7 +159,8 @@ impl DeviceBook {
     /// The safing attempt that just ended has failed.
     pub(crate) fn attempt_failed(&mut self, gate: GateId, actions: &mut Actions) {
         self.phase = Phase::Idle;
-        if self.attempts >= self.profile.safing_attempts.max(1) {
+        self.failed = self.failed.saturating_add(1);
+        if self.failed >= self.profile.safing_attempts.max(1) {
             self.stuck = true;
             self.must_safe = false;
             let _ = actions.noted.push(Noted::Stuck(gate));

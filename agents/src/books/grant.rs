@@ -16,8 +16,8 @@ pub(crate) enum State {
     Valid,
     /// Not in line until a supervisor reinstates it.
     Barred,
-    /// Not in line until its device is seen off.
-    Resting,
+    /// Not in line until this device is seen off.
+    Resting(GateId),
 }
 
 /// The agent's record of a ticket, or of a set granted together.

@@ -169,7 +169,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         (device.phase == Phase::Idle && wanted && !device.stuck).then_some(Work::Safe {
             gate,
             tenure: device.tenure,
-            attempt: device.attempts.saturating_add(1),
+            attempt: device.attempts.wrapping_add(1),
             timeout: device.patience(),
         })
     }
@@ -234,7 +234,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         if device.seen.is_some_and(|seen| seen.measured_at >= estimate.measured_at) {
             return;
         }
-        let before = device.seen.replace(estimate).map(|seen| seen.state);
+        device.seen = Some(estimate);
         #[cfg(not(feature = "mutant-stale-estimate"))]
         let fresh = estimate.measured_at > device.counts_from;
         #[cfg(feature = "mutant-stale-estimate")]
@@ -244,8 +244,9 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
                 self.seen_off(gate, estimate.measured_at);
                 let _ = actions.noted.push(Noted::SeenOff(gate));
             }
-            (Power::Off, Phase::Held) if before != Some(Power::Off) => {
-                device.stuck = false;
+            (Power::Off, Phase::Held) => {
+                device.stuck &= !fresh;
+                // Each time: it may have been on since the last measurement.
                 device.tell_off = Some(estimate.measured_at);
             }
             (Power::On, Phase::Confirming { .. }) if fresh => device.attempt_failed(gate, actions),
@@ -253,6 +254,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
             (Power::On, Phase::Off) if fresh && device.is_observable() => {
                 device.phase = Phase::Idle;
                 device.counts_from = estimate.measured_at;
+                device.orphaned();
             }
             _ => {}
         }
@@ -264,18 +266,20 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         self.settle_last_user(gate, at);
         let Some(device) = self.device_mut(gate) else { return };
         device.phase = Phase::Off;
-        device.attempts = 0;
+        device.failed = 0;
         device.stuck = false;
         device.must_safe = false;
         device.needed_off = false;
         device.tell_off = Some(at);
-        let user = device.last_user.clone();
-        if let LastUser::Grant { seat, serial } = user {
-            let rests =
-                |grant: &&super::Grant| grant.serial == serial && grant.state == State::Resting;
-            if self.grant(seat).filter(rests).is_some() {
-                self.rejoin(seat);
-            }
+        self.end_rest(gate);
+    }
+
+    /// Who rested until the device goes off need not wait any longer.
+    pub(super) fn end_rest(&mut self, gate: GateId) {
+        let user = self.device(gate).map(|device| &device.last_user);
+        let Some(&LastUser::Grant { seat, .. }) = user else { return };
+        if self.grant(seat).is_some_and(|grant| grant.state == State::Resting(gate)) {
+            self.rejoin(seat);
         }
     }
 
@@ -292,7 +296,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
                     validity.confirmed_off(at);
                 }
             }
-            LastUser::Gone(mut validity) => {
+            LastUser::Gone { mut validity, .. } => {
                 validity.confirmed_off(at);
                 self.give_back(agent, &validity);
                 if let Some(device) = self.device_mut(gate) {
@@ -329,19 +333,23 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         }
         device.tenure = vacated.tenure;
         device.attempts = 0;
+        device.failed = 0;
         // Whoever used it may have freed it: it is worth trying again.
         device.stuck = false;
         device.phase = Phase::Idle;
         device.counts_from = vacated.at.after(device.profile.settling);
-        let user = device.last_user.clone();
-        match user {
-            LastUser::Nobody => {}
-            LastUser::Gone(_) => device.last_user = LastUser::Gone(vacated.validity),
-            LastUser::Grant { seat, .. } => {
+        // A user that was never admitted has its function as it was.
+        match &mut device.last_user {
+            LastUser::Gone { serial, validity } if *serial == vacated.latest_tenant => {
+                *validity = vacated.validity;
+            }
+            LastUser::Grant { seat, serial } if *serial == vacated.latest_tenant => {
+                let seat = *seat;
                 if let Some(validity) = self.validity_mut(seat, gate) {
                     *validity = vacated.validity;
                 }
             }
+            _ => {}
         }
         self.skip_confirmation(gate, vacated);
     }
@@ -351,7 +359,9 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     fn skip_confirmation(&mut self, gate: GateId, vacated: &Vacated) {
         let Some(device) = self.device(gate) else { return };
         let charged = self.is_charged(device) || device.must_safe;
-        if !vacated.may_be_on || !charged {
+        // Something else may have turned it on.
+        let seen_on = device.seen.is_none_or(|seen| seen.state != Power::Off);
+        if !(vacated.may_be_on || seen_on) || !charged {
             self.seen_off(gate, vacated.at);
             if let Some(device) = self.device_mut(gate).filter(|_| vacated.may_be_on) {
                 // Nobody saw it off: the gate is not to be told so.
@@ -362,7 +372,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
 
     fn safed(&mut self, gate: GateId, tenure: usize, attempt: u8, safed: Safed) {
         let Some(device) = self.device_mut(gate) else { return };
-        let expected = device.attempts.saturating_add(1) == attempt && device.tenure == tenure;
+        let expected = device.attempts.wrapping_add(1) == attempt && device.tenure == tenure;
         if device.phase != Phase::Idle || !expected {
             return;
         }

@@ -9,7 +9,6 @@ use faregate_tickets::standing::Why;
 use crate::limits::{MAX_AGENTS, MAX_GATES};
 
 use super::device::Phase;
-use super::grant::State;
 use super::{Actions, Books, bit};
 
 impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
@@ -54,17 +53,17 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         let agent_ended = device.agent_stamp != agent;
         let Some(grant) = self.grant_mut(seat) else { return };
         let broker_ended = grant.broker_stamp != broker;
-        if !agent_ended && broker_ended && survivors & bit(gate) != 0 {
+        // Exempt also while the epoch that it announced is not there yet: the
+        // floor is.
+        if !agent_ended && survivors & bit(gate) != 0 {
             grant.exempt = true;
             grant.broker_stamp = broker;
             return;
         }
         if agent_ended || broker_ended {
-            let gates = grant.gates;
-            grant.state = State::Waiting;
-            grant.exempt = false;
-            let _ = actions.explained.push((grant.id(seat), Why::RevokedAll));
-            self.put_out(seat, gates);
+            // Its own epoch ends too: what is left of its stamps must not make
+            // one gate of a set valid before the others.
+            self.preempt(seat, Why::RevokedAll, actions);
         }
     }
 
@@ -82,8 +81,11 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     pub(super) fn reset(&mut self, gate: GateId) {
         if let Some(device) = self.device_mut(gate) {
             device.fault = None;
-            device.attempts = 0;
+            device.failed = 0;
             device.stuck = false;
+            if device.tenant.is_none() && device.phase != Phase::Off {
+                device.orphaned();
+            }
         }
     }
 

@@ -53,7 +53,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         match grant.state {
             State::Valid => return None,
             State::Barred => return Some(Waiting::Barred),
-            State::Resting => return Some(Waiting::Resting),
+            State::Resting(_) => return Some(Waiting::Resting),
             State::Granting => return Some(Waiting::HandOver),
             State::Waiting => {}
         }

@@ -11,7 +11,6 @@ use crate::refusal::{Capacity, RequestRefused};
 use super::device::{LastUser, Phase};
 use super::grant::{Grant, State};
 use super::{Actions, Books, bit, gates_of};
-use faregate_tickets::device::WhenOrphaned;
 
 /// What a request asks for: gates, all or nothing, each with its validity
 /// function, at one priority.
@@ -263,12 +262,17 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         if grant.gates == bit(gate) {
             self.end(ticket.seat, actions);
         } else {
-            self.give_up_gate(ticket.seat, gate);
+            self.give_up_gate(ticket.seat, gate, actions);
         }
     }
 
     /// One gate of a set is given back; the others stay valid.
-    fn give_up_gate(&mut self, seat: u16, gate: GateId) {
+    fn give_up_gate(&mut self, seat: u16, gate: GateId, actions: &mut Actions) {
+        let state = self.grant(seat).map(|grant| grant.state);
+        if state == Some(State::Granting) {
+            // The gate might be the last one, which would make the rest valid.
+            self.preempt(seat, Why::NotYetGranted, actions);
+        }
         self.orphan(seat, gate);
         let set = self.grant(seat).and_then(|grant| grant.set);
         if let Some(book) = set.and_then(|set| self.sets.get_mut(usize::from(set))) {
@@ -276,6 +280,9 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         }
         if let Some(grant) = self.grant_mut(seat) {
             grant.gates &= !bit(gate);
+        }
+        if state == Some(State::Resting(gate)) {
+            self.rejoin(seat);
         }
     }
 
@@ -309,14 +316,16 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         let held = device.tenant == Some(seat);
         if held {
             device.leave();
-            device.must_safe |= device.profile.when_orphaned == WhenOrphaned::SafeAtOnce;
         }
         let used = device.last_user == LastUser::Grant { seat, serial };
         let off = device.phase == Phase::Off;
+        if used && !off {
+            device.orphaned();
+        }
         let Some(validity) = validity else { return };
         if held || (used && !off) {
             // While its gate has not been vacated, the gate has the newer one.
-            device.last_user = LastUser::Gone(validity);
+            device.last_user = LastUser::Gone { serial, validity };
             return;
         }
         if used {
@@ -328,8 +337,11 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
 
     /// Unused budget goes back to its agent.
     pub(super) fn give_back(&mut self, agent: u8, validity: &Validity) {
-        if let Some(agent) = self.agents.get_mut(usize::from(agent)) {
+        let Some(agent) = self.agents.get_mut(usize::from(agent)) else { return };
+        if agent.policy.energy.is_some() {
             agent.energy_left = agent.energy_left.saturating_add(validity.energy_left());
+        }
+        if agent.policy.propellant.is_some() {
             agent.propellant_left =
                 agent.propellant_left.saturating_add(validity.propellant_left());
         }
@@ -425,7 +437,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         self.leave_line(seat);
         self.preempt(seat, Why::Resting, actions);
         if let Some(grant) = self.grant_mut(seat) {
-            grant.state = State::Resting;
+            grant.state = State::Resting(gate);
         }
     }
 }

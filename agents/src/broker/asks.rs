@@ -89,10 +89,21 @@ pub trait Wants<'b, 'g: 'b, P: Platform, N: Notify, const G: usize, const T: usi
         priority: Priority,
     ) -> Result<Ask, RequestRefused>;
 
-    /// The tickets of the grant with this id; `None` for a foreign gate.
-    fn tickets(&self, broker: &'b Broker<'g, P, N, G, T, S>, id: TicketId)
-    -> Option<Self::Tickets>;
+    /// The tickets of a new grant; `None` for a foreign gate.
+    fn tickets(
+        &self,
+        broker: &'b Broker<'g, P, N, G, T, S>,
+        seated: &Seated,
+    ) -> Option<Self::Tickets>;
 }
+
+/// A grant that has got its seat and not yet its tickets.
+///
+/// Only [`Broker::request`] makes one, and nobody else can name it: so nobody
+/// has tickets made a second time for a grant whose id they know, and only the
+/// types of this module can be requested.
+#[derive(Debug)]
+pub struct Seated(TicketId);
 
 impl<
     'b,
@@ -120,9 +131,9 @@ impl<
     fn tickets(
         &self,
         broker: &'b Broker<'g, P, N, G, T, S>,
-        id: TicketId,
+        seated: &Seated,
     ) -> Option<Self::Tickets> {
-        broker.ticket(&self.handle, id)
+        broker.ticket(&self.handle, seated.0)
     }
 }
 
@@ -151,9 +162,9 @@ impl<
     fn tickets(
         &self,
         broker: &'b Broker<'g, P, N, G, T, S>,
-        id: TicketId,
+        seated: &Seated,
     ) -> Option<Self::Tickets> {
-        broker.ticket(self, id)
+        broker.ticket(self, seated.0)
     }
 }
 
@@ -185,9 +196,9 @@ macro_rules! tuple_of_wants {
             fn tickets(
                 &self,
                 broker: &'b Broker<'g, P, N, G, T, S>,
-                id: TicketId,
+                seated: &Seated,
             ) -> Option<Self::Tickets> {
-                Some(($(broker.ticket(&self.$field.handle, id)?,)+))
+                Some(($(broker.ticket(&self.$field.handle, seated.0)?,)+))
             }
         }
     };
@@ -216,7 +227,7 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
         let asked = wants.ask(self, priority).and_then(|ask| self.seat(priority, &ask));
         let id = asked.inspect_err(|_| self.record(RecordedEvent::RequestRefused))?;
         self.notify.service_due();
-        wants.tickets(self, id).ok_or(RequestRefused::UnknownGate)
+        wants.tickets(self, &Seated(id)).ok_or(RequestRefused::UnknownGate)
     }
 
     /// Asks for one more gate: what the ticket's grant has is given back, and
@@ -251,7 +262,8 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
     fn seat(&self, priority: Priority, ask: &Ask) -> Result<TicketId, RequestRefused> {
         let entered = self.ledger.with(|ledger| {
             let now = ledger.clock.now();
-            ledger.books.steps([Event::Tick(now)]);
+            let passed = ledger.books.step(Event::Tick(now));
+            self.carry_out(ledger, now, &passed);
             let (id, actions) = ledger.books.request(ask)?;
             let agents = ledger.books.agents_of(id);
             self.with_standing(id.seat, |standing| standing.seat(id.serial, agents));

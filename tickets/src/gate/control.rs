@@ -36,7 +36,10 @@ pub struct Vacated {
     pub tenure: usize,
     /// When it happened.
     pub at: Instant,
-    /// The leaving tenant's validity function, with its state.
+    /// The serial of the latest tenant; 0 if there was none yet. A ticket that
+    /// was put out before it was admitted is not it.
+    pub latest_tenant: usize,
+    /// The latest tenant's validity function, with its state.
     pub validity: Validity,
     /// Whether a command turned the device on since it was last seen off.
     pub may_be_on: bool,
@@ -133,6 +136,7 @@ impl<D: Device, P: Platform> Control for Gate<'_, D, P> {
             Ok(Vacated {
                 tenure: inside.tenure,
                 at: inside.vacated.1,
+                latest_tenant: inside.latest_tenant,
                 validity: inside.validity,
                 may_be_on: inside.may_be_on,
             })
@@ -152,7 +156,7 @@ impl<D: Device, P: Platform> Control for Gate<'_, D, P> {
                 return Ok(Safed { at });
             }
             #[cfg(not(feature = "mutant-late-safing"))]
-            if tried.saturating_add(1) != attempt {
+            if tried.wrapping_add(1) != attempt {
                 return Err(Blocked::Stale);
             }
             inside.safe(&self.published);
@@ -234,6 +238,7 @@ impl<D: Device, P: Platform> Gate<'_, D, P> {
         let now = inside.now();
         inside.tenure = admission.tenure.wrapping_add(1);
         inside.safed = (0, now);
+        inside.latest_tenant = admission.serial;
         inside.validity = admission.validity;
         inside.validity.admitted(now);
         self.published.set_look_again(now, inside.validity.look_again_at(now));

@@ -22,7 +22,9 @@ pub(super) struct Inside<D, P: Platform> {
     pub(super) vacated: (usize, Instant),
     /// How often safing was tried in this tenure, and when last.
     pub(super) safed: (u8, Instant),
-    /// The tenant's validity function; after it left, as it left it.
+    /// The serial of the latest tenant.
+    pub(super) latest_tenant: usize,
+    /// Its validity function; after it left, as it left it.
     pub(super) validity: Validity,
     /// Whether a command turned the device on since it was last seen off.
     pub(super) may_be_on: bool,
@@ -41,6 +43,7 @@ impl<D: Device, P: Platform> Inside<D, P> {
             tenure: 0,
             vacated: (0, latest),
             safed: (0, latest),
+            latest_tenant: 0,
             validity: Validity::always(),
             may_be_on: true,
             turned_on: Instant::START,

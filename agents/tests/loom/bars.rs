@@ -1,0 +1,44 @@
+//! A supervisor's revocation against what the agent does at the same time.
+
+use faregate_tickets::id::Priority;
+
+use crate::flight::Flight;
+use crate::model::{explore, join, spawn};
+
+#[test]
+fn bar_against_grant() {
+    explore("bar_against_grant", 50, || {
+        let flight = Flight::new(10, [8, 2]);
+        let ticket = flight.request(Priority::SCIENCE, 0);
+        let id = ticket.id();
+        let services = [(); 2].map(|()| spawn(|| flight.broker.service()));
+        flight.broker.bar(&flight.supervisor, id).expect("it lives").without_waiting();
+        assert!(ticket.check().is_err(), "Closed Door: the bar revoked nothing");
+        services.map(join);
+        assert!(ticket.check().is_err(), "Closed Door: a grant undid a bar");
+        flight.pass();
+        assert!(ticket.check().is_err(), "Closed Door: a service undid a bar");
+        flight.broker.reinstate(&flight.supervisor, ticket.id()).expect("it lives");
+        flight.broker.service();
+        assert_eq!(ticket.check(), Ok(()), "Restoration: a reinstated ticket is valid");
+    });
+}
+
+#[test]
+fn bar_against_preemption() {
+    explore("bar_against_preemption", 100, || {
+        let flight = Flight::new(10, [8, 2]);
+        let monitor = flight.granted(Priority::SCIENCE, 0);
+        let taking = spawn(|| {
+            let emergency = flight.request(Priority::EMERGENCY, 0);
+            flight.broker.service();
+            drop(emergency);
+            flight.broker.service();
+        });
+        flight.broker.bar(&flight.supervisor, monitor.id()).expect("it lives").without_waiting();
+        join(taking);
+        assert!(monitor.check().is_err(), "Closed Door: a restoration undid a bar");
+        flight.pass();
+        assert!(monitor.check().is_err(), "Closed Door: a later restoration undid a bar");
+    });
+}
