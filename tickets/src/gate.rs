@@ -208,9 +208,15 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
         let started = inside.now();
         inside.record_refused(started, serial, refused);
         let result = inside.issue(&self.published, command);
+        let ended = inside.now();
+        if let Effect::On { .. } = declared.effect {
+            // What was measured while the driver ran may be from before it
+            // reached the device.
+            inside.turned_on = ended;
+        }
         inside.record_issued(started, serial, declared.code);
         self.published.set_look_again(started, inside.validity.look_again_at(started));
-        self.check_duration(inside, started, declared.wcet);
+        self.check_duration(inside, ended.since(started), declared.wcet);
         result
     }
 
@@ -252,10 +258,9 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
     fn check_duration(
         &self,
         inside: &mut Inside<D, P>,
-        started: Instant,
+        took: crate::clock::Duration,
         wcet: crate::clock::Duration,
     ) {
-        let took = inside.now().since(started);
         if took > wcet.saturating_mul(u64::from(self.profile.overrun_factor.max(1))) {
             inside.close(&self.published, GateFault::Overran);
         }

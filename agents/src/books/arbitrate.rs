@@ -273,13 +273,12 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     /// The most important one that was chosen, draws on the same supply, and
     /// has not got it yet.
     fn margin_taker(&self, victim: u16, candidates: &Candidates, choice: &Choice) -> Option<u16> {
-        let gates = self.grant(victim)?.gates;
-        let agents =
-            |bits| gates_of(bits).filter_map(|gate| self.device(gate)).map(|device| device.agent);
+        let lost = self.draws_of(self.grant(victim)?.gates, |_| true);
         let mut before = candidates.iter().copied().take_while(|seat| *seat != victim);
         before.find(|seat| {
             let Some(grant) = self.grant(*seat) else { return false };
-            let shares = agents(grant.gates).any(|agent| agents(gates).any(|other| other == agent));
+            let draws = self.draws_of(grant.gates, |_| true);
+            let shares = draws.iter().zip(&lost).any(|(own, lost)| !own.is_zero() && !lost.is_zero());
             choice.has(*seat, grant.gates) && !grant.is_granted() && shares
         })
     }
@@ -385,9 +384,12 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         grant.state = State::Granting;
         grant.broker_stamp = broker;
         grant.exempt = false;
-        let (gates, serial) = (grant.gates, grant.serial);
+        let (gates, user) = (grant.gates, LastUser::Grant { seat, serial: grant.serial });
         for gate in gates_of(gates) {
-            self.settle_last_user(gate, self.now);
+            // Who gets back what it used last has used it all the time.
+            if self.device(gate).is_some_and(|device| device.last_user != user) {
+                self.settle_last_user(gate, self.now);
+            }
             self.end_rest(gate);
             let agent = self.device(gate).and_then(|device| self.agent(device.agent));
             let stamp = agent.map_or(0, |agent| agent.seen.epoch);
@@ -398,7 +400,8 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
                 device.failed = 0;
                 device.must_safe = false;
                 device.needed_off = false;
-                device.last_user = LastUser::Grant { seat, serial };
+                device.told_off = false;
+                device.last_user = user.clone();
             }
         }
     }

@@ -90,6 +90,8 @@ pub(crate) struct DeviceBook {
     pub(crate) fault: Option<GateFault>,
     /// Its gate is to be told that it was seen off at this instant.
     pub(crate) tell_off: Option<Instant>,
+    /// Nobody has it, and its gate knows that it is off.
+    pub(crate) told_off: bool,
     pub(crate) last_user: LastUser,
 }
 
@@ -112,6 +114,7 @@ impl DeviceBook {
             needed_off: false,
             fault: None,
             tell_off: None,
+            told_off: false,
             last_user: LastUser::Nobody,
         }
     }

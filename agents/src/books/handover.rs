@@ -249,6 +249,11 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
                 // Each time: it may have been on since the last measurement.
                 device.tell_off = Some(estimate.measured_at);
             }
+            // Not charged, so nobody waited for this; an interlock does.
+            (Power::Off, Phase::Off) if fresh && !device.told_off => {
+                device.tell_off = Some(estimate.measured_at);
+                self.settle_last_user(gate, estimate.measured_at);
+            }
             (Power::On, Phase::Confirming { .. }) if fresh => device.attempt_failed(gate, actions),
             // Something turned it on that is none of ours: it is orphaned.
             (Power::On, Phase::Off) if fresh && device.is_observable() => {
@@ -317,6 +322,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
                     self.device_mut(gate).filter(|device| device.tell_off == Some(at))
                 {
                     device.tell_off = None;
+                    device.told_off = device.phase == Phase::Off;
                 }
             }
             Done::Admitted { gate, after, tenure, ticket } => {

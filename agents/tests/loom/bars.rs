@@ -3,18 +3,20 @@
 use faregate_tickets::id::Priority;
 
 use crate::flight::Flight;
-use crate::model::{explore, join, spawn};
+use crate::model::{explore, explore_to, join, spawn};
 
 #[test]
 fn bar_against_grant() {
-    explore("bar_against_grant", 50, || {
+    explore_to(2, "bar_against_grant", 500, || {
         let flight = Flight::new(10, [8, 2]);
         let ticket = flight.request(Priority::SCIENCE, 0);
         let id = ticket.id();
         let services = [(); 2].map(|()| spawn(|| flight.broker.service()));
         flight.broker.bar(&flight.supervisor, id).expect("it lives").without_waiting();
         assert!(ticket.check().is_err(), "Closed Door: the bar revoked nothing");
-        services.map(join);
+        for service in services {
+            join(service);
+        }
         assert!(ticket.check().is_err(), "Closed Door: a grant undid a bar");
         flight.pass();
         assert!(ticket.check().is_err(), "Closed Door: a service undid a bar");

@@ -15,7 +15,7 @@ use loom::sync::atomic::{AtomicUsize, Ordering};
 use crate::lamp::{Given, Lamp, Loomed, Ticks};
 use crate::model::keep;
 
-pub(crate) type TestBroker = Broker<'static, Loomed, NoNotify, 2, 4, 1>;
+pub(crate) type TestBroker = Broker<'static, Loomed, NoNotify, 2, 4, 2>;
 pub(crate) type Ticket = faregate_tickets::Ticket<'static, Lamp, Loomed, TestBroker>;
 
 /// A broker that is put together, and its lamps, all seen off.

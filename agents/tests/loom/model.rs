@@ -5,16 +5,26 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use loom::thread::{Builder, JoinHandle};
 
-/// Explores `model` up to three pre-emptions, unless `LOOM_MAX_PREEMPTIONS`
+/// Explores `model` up to three pre-emptions; see [`explore_to`].
+pub(crate) fn explore(name: &str, floor: usize, model: impl Fn() + Send + Sync + 'static) {
+    explore_to(3, name, floor, model);
+}
+
+/// Explores `model` up to so many pre-emptions, unless `LOOM_MAX_PREEMPTIONS`
 /// says otherwise; prints how many executions that were, and wants at least
 /// `floor` of them.
-pub(crate) fn explore(name: &str, floor: usize, model: impl Fn() + Send + Sync + 'static) {
+pub(crate) fn explore_to(
+    preemptions: usize,
+    name: &str,
+    floor: usize,
+    model: impl Fn() + Send + Sync + 'static,
+) {
     let executions = Arc::new(AtomicUsize::new(0));
     let counted = Arc::clone(&executions);
     let model = Arc::new(model);
     let mut builder = loom::model::Builder::new();
     builder.max_branches = 20_000;
-    builder.preemption_bound = builder.preemption_bound.or(Some(3));
+    builder.preemption_bound = builder.preemption_bound.or(Some(preemptions));
     builder.check(move || {
         counted.fetch_add(1, Ordering::Relaxed);
         let model = Arc::clone(&model);

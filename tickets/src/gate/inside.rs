@@ -28,7 +28,7 @@ pub(super) struct Inside<D, P: Platform> {
     pub(super) validity: Validity,
     /// Whether a command turned the device on since it was last seen off.
     pub(super) may_be_on: bool,
-    /// When the latest command to turn on was issued.
+    /// When the driver came back from the latest command to turn on.
     pub(super) turned_on: Instant,
 }
 

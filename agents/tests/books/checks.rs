@@ -1,0 +1,198 @@
+//! What holds after every step, and when nothing is in motion.
+
+use std::sync::atomic::Ordering::Relaxed;
+
+use faregate_agents::{DeviceState, Event};
+use faregate_tickets::clock::Duration;
+
+use super::lamp::Switch;
+use super::world::{ENERGY, SEATS, World};
+
+/// Longer than any device takes to settle and be measured.
+const ROUND: Duration = Duration::from_millis(60);
+const MOST_ROUNDS: usize = 60;
+
+impl World<'_> {
+    /// After every step of a history.
+    pub fn check(&self) {
+        self.check_truth_is_charged();
+        self.check_standings();
+        self.check_tickets();
+        self.check_valid_together();
+        assert_eq!(self.books.free_seats(), SEATS - self.grants.len(), "seats are free at once");
+    }
+
+    /// **Margin Kept.** Nothing is added to the charges beyond the supply.
+    /// (What was charged at boot, or before the supply fell, stays until it is
+    /// seen off.)
+    pub fn check_charges(&mut self) {
+        let charged = self.charges();
+        let before = std::mem::replace(&mut self.charged, charged);
+        for (agent, (before, after)) in before.iter().zip(&self.charged).enumerate() {
+            let within = *after <= (*before).max(self.supply[agent]);
+            let rules = self.rules(agent);
+            assert!(rules.supply.is_none() || within, "Margin Kept: {before} grew to {after}");
+        }
+    }
+
+    /// **Margin Kept.** What draws is charged, unless something else turned it
+    /// on and no sensor has said so.
+    fn check_truth_is_charged(&self) {
+        for gate in self.gate_ids() {
+            let truth = &self.ground.truths[usize::from(gate.0)];
+            let device = self.declared(usize::from(gate.0));
+            let counts = self.rules(usize::from(device.agent)).supply.is_some() && device.draw > 0;
+            let draws = truth.draws(self.now()) && !truth.unbidden.load(Relaxed);
+            let charge = self.books.device_report(gate).unwrap().charge.get();
+            assert!(!(counts && draws) || charge > 0, "Margin Kept: {gate} draws uncharged");
+        }
+    }
+
+    /// The books count each grant's own epoch as its standing does.
+    fn check_standings(&self) {
+        if self.bars_seen != self.ground.broker.bars() {
+            return;
+        }
+        for seat in 0..u16::try_from(SEATS).unwrap() {
+            let (serial, own) = self.books.counted(seat).unwrap();
+            assert_eq!(self.standing(seat).epoch_seen(), own, "the own epoch is counted");
+            assert!(self.standing(seat).is_occupied_by(serial));
+        }
+    }
+
+    /// What the books have down as valid is valid, all of it; nothing else is.
+    fn check_tickets(&self) {
+        if !self.is_noticed() || !self.unreported.is_empty() || !self.faults_are_noticed() {
+            return;
+        }
+        for grant in self.grants.values() {
+            let valid = self.books.is_valid(grant.id);
+            for (gate, ticket) in &grant.tickets {
+                assert_eq!(ticket.check().is_ok(), valid, "{} at {gate}", grant.id);
+            }
+        }
+    }
+
+    fn faults_are_noticed(&self) -> bool {
+        self.keys.iter().zip(&self.faults).all(|(key, seen)| key.fault().is_some() == *seen)
+    }
+
+    /// No two grants are valid together against their agent's policy.
+    fn check_valid_together(&self) {
+        let valid: Vec<_> = self
+            .grants
+            .values()
+            .filter(|grant| grant.tickets.iter().any(|(_, ticket)| ticket.check().is_ok()))
+            .collect();
+        for (n, one) in valid.iter().enumerate() {
+            for other in &valid[n + 1..] {
+                for (a, b) in one.gates().flat_map(|a| other.gates().map(move |b| (a, b))) {
+                    self.check_pair(a, b);
+                }
+            }
+        }
+    }
+
+    fn check_pair(&self, a: usize, b: usize) {
+        assert_ne!(a, b, "One Tenant");
+        let (one, other) = (self.declared(a), self.declared(b));
+        if one.agent != other.agent {
+            return;
+        }
+        let rules = self.rules(usize::from(one.agent));
+        assert!(!rules.exclusive, "two are valid at an exclusive agent");
+        let conflict = one.categories & other.categories != 0;
+        assert!(!rules.categories || !conflict, "gates {a} and {b} share a category");
+    }
+
+    /// Everything that can be healed is, and time passes until nothing moves.
+    pub fn heal_and_settle(&mut self) {
+        for truth in &self.ground.truths {
+            truth.deaf_to_safing.store(0, Relaxed);
+            truth.hung.store(false, Relaxed);
+        }
+        while let Some(done) = self.unreported.pop() {
+            self.report(done);
+        }
+        self.late_estimates.clear();
+        for gate in self.gate_ids() {
+            self.keys[usize::from(gate.0)].reopen();
+            self.stuck[usize::from(gate.0)] = false;
+            self.feed(Event::Reset(gate));
+        }
+        self.settle();
+    }
+
+    /// Rounds of sensors and service, until one of them changes nothing.
+    pub fn settle(&mut self) {
+        for _ in 0..MOST_ROUNDS {
+            let before = self.changes;
+            self.service();
+            self.ground.clock.advance(ROUND);
+            for gate in self.gate_ids() {
+                self.observe(gate, self.measure(gate));
+            }
+            for (_, ticket) in self.grants.values().flat_map(|grant| &grant.tickets) {
+                let _ = ticket.renew();
+            }
+            self.service();
+            self.check();
+            if self.changes == before && !self.is_in_motion() {
+                return;
+            }
+        }
+        panic!("the world does not come to rest: {:?}", self.books.work());
+    }
+
+    fn is_in_motion(&self) -> bool {
+        let moves = |state| matches!(state, DeviceState::Leaving | DeviceState::Confirming);
+        let device = |gate| self.books.device_report(gate).unwrap();
+        self.gate_ids().any(|gate| moves(device(gate).state))
+    }
+
+    /// **Highest First** and **Restoration**: when nothing is in motion, those
+    /// are valid whom the oracle would choose.
+    pub fn check_chosen(&self) {
+        let chosen = self.chosen();
+        for (serial, grant) in &self.grants {
+            let valid = self.books.is_valid(grant.id);
+            let waiting = self.books.waiting_for(grant.id);
+            let named = chosen.contains(serial);
+            assert_eq!(valid, named, "Highest First: {} waits for {waiting:?}", grant.id);
+        }
+    }
+
+    /// Everybody goes home: nothing is charged, taken, or lost.
+    pub fn go_home(&mut self) {
+        self.ground.broker.leave_safe_mode();
+        for scope in &self.ground.scopes {
+            scope.leave_safe_mode();
+        }
+        for grant in self.grants.values() {
+            for (_, ticket) in &grant.tickets {
+                let _ = ticket.invoke(Switch::Off);
+            }
+        }
+        while let Some(serial) = self.pick(0) {
+            self.relinquish(serial, 0);
+        }
+        self.settle();
+        for (agent, charge) in self.charges().iter().enumerate() {
+            // An orphan may stay on until somebody needs what it draws.
+            let kept: u64 = self
+                .gate_ids()
+                .filter(|gate| usize::from(self.declared(usize::from(gate.0)).agent) == agent)
+                .filter(|gate| self.ground.truths[usize::from(gate.0)].draws(self.now()))
+                .map(|gate| self.declared(usize::from(gate.0)).draw)
+                .sum();
+            let counts = self.rules(agent).supply.is_some();
+            assert_eq!(*charge, if counts { kept } else { 0 }, "Margin Kept: back to the unit");
+            let expected = if self.rules(agent).energy { ENERGY } else { Default::default() };
+            let left = self.books.budgets(u8::try_from(agent).unwrap()).unwrap().0;
+            let back = left == expected || (self.budget_used && left < expected);
+            let orphan = kept > 0 || !counts;
+            assert!(back || orphan, "unused budget is back to the unit: {left} of {expected}");
+        }
+        assert_eq!(self.books.free_seats(), SEATS);
+    }
+}
