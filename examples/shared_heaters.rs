@@ -109,8 +109,8 @@ impl Propulsion {
 
     fn try_both_sides(&self) -> Outcome<()> {
         let (valve, heaters) = self.tickets()?;
-        heaters.invoke(HeatersCommand::On)?;
-        println!("    heaters on:  issued");
+        // At the start, what nobody has seen off yet counts as on.
+        self.issued_in_time(&heaters, HeatersCommand::On, "heaters on")?;
         refused(&valve, ThrusterCommand::Open, "valve open")?;
         heaters.invoke(HeatersCommand::Off)?;
         println!("    heaters off: issued, and not seen off yet");

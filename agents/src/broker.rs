@@ -11,7 +11,7 @@ mod supervise;
 
 use core::fmt;
 
-use faregate_tickets::amount::Milliwatts;
+use faregate_tickets::amount::{Microjoules, Milligrams, Milliwatts};
 use faregate_tickets::clock::{Clock, Duration, Instant};
 use faregate_tickets::device::{Device, Estimate};
 use faregate_tickets::gate::{Key, KeyOf};
@@ -22,7 +22,7 @@ use faregate_tickets::platform::Platform;
 use faregate_tickets::recorder::{Lane, Record, RecordedEvent};
 use faregate_tickets::scope::Scope;
 use faregate_tickets::standing::Standing;
-use faregate_tickets::ticket::Issuer;
+use faregate_tickets::ticket::{Issuer, Seat};
 
 use crate::books::{Actions, Books, DeviceReport, Event, Noted};
 use crate::limits::MAX_AGENTS;
@@ -193,6 +193,13 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
         .flatten()
     }
 
+    /// The energy and the propellant that the agent can still promise. What is
+    /// promised and not used comes back when its device is seen off.
+    pub fn budgets(&self, agent: AgentId) -> Option<(Microjoules, Milligrams)> {
+        let number = Some(agent.number).filter(|_| agent.tag == self.tag)?;
+        self.enter(|ledger| ledger.books.budgets(number)).flatten()
+    }
+
     /// The computed bound of a hand-over; see [`Books::hand_over_bound`].
     pub fn hand_over_bound(&self, gate: GateId, rounds: u32) -> Option<Duration> {
         self.enter(|ledger| ledger.books.hand_over_bound(gate, rounds)).flatten()
@@ -267,7 +274,12 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
 impl<P: Platform, N: Notify, const G: usize, const T: usize, const S: usize> Issuer
     for Broker<'_, P, N, G, T, S>
 {
-    fn relinquish(&self, ticket: TicketId, gate: GateId, refused: u32) {
+    fn relinquish(&self, seat: &Seat<'_>, refused: u32) {
+        // Only tickets made here point to this scope.
+        if !core::ptr::eq(seat.broker, &self.scope) {
+            return;
+        }
+        let (ticket, gate) = (seat.id, seat.gate);
         self.enter(|ledger| {
             let now = ledger.clock.now();
             if refused > 0 {

@@ -5,7 +5,7 @@
 
 mod books;
 
-use books::step::{How, Limit, Step, Word};
+use books::step::{History, How, Limit, Step, Word};
 use books::world::{Declared, GATES, Ground, Rules, Setup, World};
 use proptest::prelude::*;
 
@@ -126,9 +126,9 @@ fn served() -> impl Strategy<Value = Step> {
     ]
 }
 
-fn history() -> impl Strategy<Value = Vec<Step>> {
+fn history() -> impl Strategy<Value = History> {
     let step = prop_oneof![8 => asked(), 2 => ordered(), 6 => suffered(), 8 => served()];
-    prop::collection::vec(step, 1..60)
+    prop::collection::vec(step, 1..60).prop_map(History)
 }
 
 fn live_through(setup: Setup, history: &[Step]) {
@@ -149,6 +149,6 @@ proptest! {
 
     #[test]
     fn the_promises_hold_through_any_history(setup in setup(), history in history()) {
-        live_through(setup, &history);
+        live_through(setup, &history.0);
     }
 }

@@ -38,7 +38,7 @@ struct World<'w> {
 pub(crate) fn fly(scene: &Scene, rival: Rival, stage: &Stage, tape: &Tape) -> Flight {
     let craft =
         Spacecraft::new(scene.parameters.clone(), scene.script.clone(), scene.seed, &stage.clock);
-    let watch = Watch::new(&craft);
+    let watch = Watch::new(&craft, stage.teller());
     let world = World {
         stage,
         scene,

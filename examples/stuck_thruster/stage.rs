@@ -1,7 +1,7 @@
 //! Where threads run: on real threads and real time, or interleaved by a seed
 //! in virtual time. The bodies are the same.
 
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use faregate::runtime::wake::Wakeup;
@@ -19,7 +19,19 @@ pub(crate) struct Stage {
     is_virtual: bool,
     ends_at: Instant,
     over: AtomicBool,
-    story: Option<Mutex<Vec<Line>>>,
+    story: Story,
+}
+
+/// The story of a run, if anybody wants it.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Story(Option<Arc<Mutex<Vec<Line>>>>);
+
+impl Story {
+    pub(crate) fn tell(&self, at: Instant, who: &'static str, what: impl FnOnce() -> String) {
+        if let Some(lines) = &self.0 {
+            lines.lock().expect("no teller panics").push(Line { at, who, what: what() });
+        }
+    }
 }
 
 /// A line of the timeline.
@@ -40,12 +52,12 @@ impl Stage {
     }
 
     fn new(clock: SimClock, is_virtual: bool, ends_at: Instant) -> Self {
-        Self { clock, is_virtual, ends_at, over: AtomicBool::new(false), story: None }
+        Self { clock, is_virtual, ends_at, over: AtomicBool::new(false), story: Story::default() }
     }
 
     /// The same stage, on which the story is written down.
     pub(crate) fn telling(mut self) -> Self {
-        self.story = Some(Mutex::default());
+        self.story = Story(Some(Arc::default()));
         self
     }
 
@@ -64,17 +76,20 @@ impl Stage {
     }
 
     pub(crate) fn tell(&self, who: &'static str, what: impl FnOnce() -> String) {
-        if let Some(story) = &self.story {
-            let line = Line { at: self.clock.now(), who, what: what() };
-            story.lock().expect("no teller panics").push(line);
-        }
+        self.story.tell(self.clock.now(), who, what);
     }
 
+    /// Where lanes tell what they see.
+    pub(crate) fn teller(&self) -> Story {
+        self.story.clone()
+    }
+
+    /// All that was told, in the order of time.
     pub(crate) fn story(&self) -> Vec<Line> {
-        let story = self.story.as_ref().map(|story| story.lock().expect("no teller panics").clone());
-        let mut story = story.unwrap_or_default();
-        story.sort_by_key(|line| line.at);
-        story
+        let lines = |story: &Mutex<Vec<Line>>| story.lock().expect("no teller panics").clone();
+        let mut lines = self.story.0.as_deref().map(lines).unwrap_or_default();
+        lines.sort_by_key(|line| line.at);
+        lines
     }
 
     pub(crate) fn bell(&self) -> Bell {

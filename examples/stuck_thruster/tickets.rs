@@ -2,7 +2,7 @@
 //! becomes of the latter when one of its parts is left out.
 
 use std::mem::ManuallyDrop;
-use std::sync::Arc;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use faregate::agents::{Broker, Handle, Policy, Want};
@@ -100,27 +100,26 @@ struct World<'w, 'g, S: Strategy> {
     heaters: Handle<'g, HeatersDriver, Ports<S>>,
     variant: Variant,
     valid_refused: &'w AtomicU32,
-    requested: &'w AtomicRequest,
+    requested: &'w Requests,
 }
 
-/// When the rescuer that shut the valve had asked for it.
-#[derive(Default)]
-struct AtomicRequest(std::sync::Mutex<Vec<(&'static str, Instant)>>);
+/// Which rescuer asked for the valve, and when.
+type Requests = Mutex<Vec<(&'static str, Instant)>>;
 
 /// Flies one scene with tickets.
 pub(crate) fn fly<S: Strategy>(scene: &Scene, variant: Variant, stage: &Stage, tape: &Tape) -> Flight {
     let clock = &stage.clock;
     let craft = Spacecraft::new(scene.parameters.clone(), scene.script.clone(), scene.seed, clock);
-    let watch = Watch::new(&craft);
+    let watch = Watch::new(&craft, stage.teller());
     let bells = Bells { service: stage.bell(), rescuers: [stage.bell(), stage.bell()] };
     let driver = craft.camera_driver().expect("nobody took it before");
     let camera = Camera { driver, safes: variant != Variant::Without(Ablation::Safing) };
     let cutoff = craft.cutoff_driver().expect("nobody took it before");
     let heaters = craft.heaters_driver().expect("nobody took it before");
     let lane = |device, by| watch.lane(device, by);
-    let mut camera = Gate::<_, Ports<S>>::new(camera, clock.clone(), lane("camera", "monitor"));
-    let mut cutoff = Gate::<_, Ports<S>>::new(cutoff, clock.clone(), lane("cutoff valve", "rescuer"));
-    let mut heaters = Gate::<_, Ports<S>>::new(heaters, clock.clone(), lane("heaters", "heater control"));
+    let mut camera_gate = Gate::<_, Ports<S>>::new(camera, clock.clone(), lane("camera", "monitor"));
+    let mut cutoff_gate = Gate::<_, Ports<S>>::new(cutoff, clock.clone(), lane("cutoff valve", "rescuer"));
+    let mut heaters_gate = Gate::<_, Ports<S>>::new(heaters, clock.clone(), lane("heaters", "heater control"));
 
     let mut agents = Agents::new(clock.clone(), lane("broker", "broker"), &bells);
     let margin = scene.parameters.supply().saturating_sub(scene.parameters.base_load);
@@ -130,13 +129,13 @@ pub(crate) fn fly<S: Strategy>(scene: &Scene, variant: Variant, stage: &Stage, t
     };
     let agent = agents.agent(policy).expect("there is room");
     let other = agents.agent(Policy::unlimited()).expect("there is room");
-    let camera = agents.register(agent, camera.key()).expect("there is room");
-    let cutoff = agents.register(agent, cutoff.key()).expect("there is room");
+    let camera = agents.register(agent, camera_gate.key()).expect("there is room");
+    let cutoff = agents.register(agent, cutoff_gate.key()).expect("there is room");
     // The exclusive policy is the paper's: one agent for camera and valve.
     let heaters_agent = if variant == Variant::Exclusive { other } else { agent };
-    let heaters = agents.register(heaters_agent, heaters.key()).expect("there is room");
+    let heaters = agents.register(heaters_agent, heaters_gate.key()).expect("there is room");
 
-    let (valid_refused, requested) = (AtomicU32::new(0), AtomicRequest::default());
+    let (valid_refused, requested) = (AtomicU32::new(0), Requests::default());
     let world = World {
         stage,
         scene,
@@ -153,9 +152,8 @@ pub(crate) fn fly<S: Strategy>(scene: &Scene, variant: Variant, stage: &Stage, t
     };
     stage.perform(scene.seed, world.threads(tape));
     let mut flight = world.result(tape);
-    let gate = cutoff.gate();
-    drop(agents);
-    let _ = gate;
+    // Lanes close their books when their gates go.
+    drop((agents, camera_gate, cutoff_gate, heaters_gate));
     flight.holds = watch.holds();
     flight
 }
@@ -279,7 +277,7 @@ impl<'w, 'g, S: Strategy> World<'w, 'g, S> {
         if !bodies::wait_for_spin(self.stage, self.craft, spin) || bodies::is_shut(self.craft) {
             return;
         }
-        self.requested.0.lock().expect("no rescuer panics").push((who, self.stage.clock.now()));
+        self.requested.lock().expect("no rescuer panics").push((who, self.stage.clock.now()));
         match self.variant {
             Variant::Exclusive => self.rescue_with_both(who, bell),
             _ => self.rescue_with_cutoff(who, bell),
@@ -362,7 +360,7 @@ impl<'w, 'g, S: Strategy> World<'w, 'g, S> {
     fn result(&self, tape: &Tape) -> Flight {
         let trace = self.craft.trace();
         let shut = trace.iter().find(|entry| is_shut_command(entry));
-        let requested = self.requested.0.lock().expect("no rescuer panics").clone();
+        let requested = self.requested.lock().expect("no rescuer panics").clone();
         let by_whom = shut.and_then(|shut| requested.iter().find(|(who, _)| *who == shut.by));
         let rounds = self.watch.rounds();
         let bound = self.agents.hand_over_bound(self.cutoff.gate(), rounds);
@@ -386,6 +384,3 @@ impl std::fmt::Debug for Bells {
         f.write_str("Bells")
     }
 }
-
-#[expect(dead_code, reason = "names the owner of what the lanes write")]
-type SharedWatch = Arc<Watch>;

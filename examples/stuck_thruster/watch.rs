@@ -8,11 +8,13 @@ use faregate::tickets::fault::GateFault;
 use faregate::tickets::recorder::{Lane, Record, RecordedEvent};
 use faregate_devices_sim::{Command, Outcome, ReceivedCommand, Spacecraft};
 
+use crate::stage::Story;
 use crate::tape::Hold;
 
 /// What the lanes of one run write together.
 pub(crate) struct Watch {
     craft: Spacecraft,
+    story: Story,
     /// How often anything was revoked: whoever finds the same number before and
     /// after was not revoked in between.
     revocations: AtomicUsize,
@@ -33,9 +35,10 @@ struct Door {
 }
 
 impl Watch {
-    pub(crate) fn new(craft: &Spacecraft) -> Arc<Self> {
+    pub(crate) fn new(craft: &Spacecraft, story: Story) -> Arc<Self> {
         Arc::new(Self {
             craft: craft.clone(),
+            story,
             revocations: AtomicUsize::new(0),
             rounds: AtomicU32::new(1),
             door: Mutex::default(),
@@ -102,6 +105,7 @@ pub(crate) struct WatchLane {
 
 impl Lane for WatchLane {
     fn record(&mut self, record: Record) {
+        self.tell(&record);
         match record.event {
             RecordedEvent::Revoked(_) | RecordedEvent::Ended => {
                 self.watch.revocations.fetch_add(1, Ordering::SeqCst);
@@ -117,6 +121,24 @@ impl Lane for WatchLane {
 }
 
 impl WatchLane {
+    /// What a person wants to read of what is recorded.
+    fn tell(&self, record: &Record) {
+        let Record { at, ticket, event } = *record;
+        let what = match event {
+            RecordedEvent::Granted => format!("ticket {ticket} becomes valid"),
+            RecordedEvent::Revoked(why) => format!("ticket {ticket} is revoked: {why}"),
+            RecordedEvent::Ended => format!("ticket {ticket} has ended"),
+            RecordedEvent::SeenOff { gate } => format!("{gate} is freshly seen off: its charge is credited"),
+            RecordedEvent::Stuck { gate } => format!("{gate} cannot be made safe: its charge stays"),
+            RecordedEvent::Safed { attempt } => {
+                format!("issues the safing command of the {} (attempt {attempt})", self.device)
+            }
+            RecordedEvent::Closed(fault) => format!("the gate of the {} is faulted: {fault}", self.device),
+            _ => return,
+        };
+        self.watch.story.tell(at, "agent", || what);
+    }
+
     fn vacated(&mut self, at: Instant) {
         if self.device == "camera" {
             self.watch.close_door();

@@ -134,9 +134,11 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
     }
 
     /// The same gate, on one side of an interlock. Every command that turns
-    /// its device on announces that there.
+    /// its device on announces that there. What the device is at the start is
+    /// not known: it is announced too, until it is seen off.
     #[must_use]
     pub fn interlocked(mut self, member: Member<'t>) -> Self {
+        member.announce();
         self.interlock = Some(member);
         self
     }
@@ -153,7 +155,11 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
         refused: u32,
         look: impl Fn() -> Result<usize, Refusal>,
     ) -> Result<D::Response, InvokeError<D::Fault>> {
+        #[cfg(feature = "mutant-try-lock")]
+        return self.try_invoke(command, refused, look);
+        #[cfg(not(feature = "mutant-try-lock"))]
         look()?;
+        #[cfg(not(feature = "mutant-try-lock"))]
         self.inside
             .with(|inside| self.issue(inside, command, refused, look))
             .unwrap_or_else(|shut| Err(self.shut(shut).into()))
@@ -179,11 +185,22 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
             .with(|inside| {
                 look()?;
                 let now = inside.now();
+                self.still_has_authority(inside, now)?;
                 inside.validity.renew(now);
                 self.published.set_look_again(now, inside.validity.look_again_at(now));
                 Ok(())
             })
             .unwrap_or_else(|shut| Err(self.shut(shut)))
+    }
+
+    /// Whether no limit has run out that service has yet to notice.
+    fn still_has_authority(&self, inside: &Inside<D, P>, now: Instant) -> Result<(), Refusal> {
+        if inside.validity.ran_out(now).is_none() {
+            return Ok(());
+        }
+        // To turning off, only limits on authority object.
+        let ask = crate::validity::Ask { now, effect: Effect::Off, telemetry: self.telemetry };
+        inside.validity.check(&ask).map_err(Refusal::Denied)
     }
 
     /// Closed Door, Open Door and Empty Room meet here: look, check, issue and
@@ -207,14 +224,16 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
         self.agree(inside, declared.effect)?;
         let started = inside.now();
         inside.record_refused(started, serial, refused);
+        // Before the driver runs: one that unwinds was given it all the same.
+        inside.record_issued(started, serial, declared.code);
         let result = inside.issue(&self.published, command);
         let ended = inside.now();
+        #[cfg(not(feature = "mutant-turned-on-early"))]
         if let Effect::On { .. } = declared.effect {
             // What was measured while the driver ran may be from before it
             // reached the device.
             inside.turned_on = ended;
         }
-        inside.record_issued(started, serial, declared.code);
         self.published.set_look_again(started, inside.validity.look_again_at(started));
         self.check_duration(inside, ended.since(started), declared.wcet);
         result

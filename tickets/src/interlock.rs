@@ -121,13 +121,18 @@ impl Member<'_> {
     /// Constant: at most two atomic operations, two loads and a fence.
     pub(crate) fn enter(&self) -> Result<(), Denial> {
         let announced_before = self.may_be_on();
+        #[cfg(feature = "mutant-look-first")]
+        let other = self.other.load(Ordering::Acquire);
         self.announce();
         // Between the announcement and the look: of two gates that enter, one
         // has its fence behind the other's and sees the other's announcement.
+        #[cfg(not(feature = "mutant-no-fence"))]
         fence(Ordering::SeqCst);
         // Acquire: pairs with the withdrawals it sees. What the other side did
         // until it was seen off happened before what is commanded now.
-        if self.other.load(Ordering::Acquire) == 0 {
+        #[cfg(not(feature = "mutant-look-first"))]
+        let other = self.other.load(Ordering::Acquire);
+        if other == 0 {
             return Ok(());
         }
         if !announced_before {
@@ -143,7 +148,10 @@ impl Member<'_> {
     pub(crate) fn withdraw(&self) {
         // Release: pairs with the look of the other side in `enter`. Later
         // changes of the word by other members continue the release sequence.
+        #[cfg(not(feature = "mutant-relaxed-withdrawal"))]
         self.own.fetch_and(!self.bit, Ordering::Release);
+        #[cfg(feature = "mutant-relaxed-withdrawal")]
+        self.own.fetch_and(!self.bit, Ordering::Relaxed);
     }
 
     /// Whether this member's device is announced as one that may be on. Another
@@ -182,7 +190,7 @@ impl fmt::Display for NoPlace {
 
 impl core::error::Error for NoPlace {}
 
-#[cfg(test)]
+#[cfg(all(test, not(loom)))]
 mod tests {
     use super::*;
 

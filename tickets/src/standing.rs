@@ -200,6 +200,7 @@ impl Standing {
         let (cause, taker) = why.pack();
         // A reader takes the reason only if it finds the same epoch before and
         // after it: Release orders each store after the one that unsettles it.
+        #[cfg(not(feature = "mutant-torn-reason"))]
         self.why_explains.store(0, Ordering::Relaxed);
         crate::sync::fence(Ordering::Release);
         self.why_cause.store(cause, Ordering::Relaxed);

@@ -1,5 +1,5 @@
 //! Chooses where atomics and the modelled lock come from. Nothing else in this
-//! crate says `cfg(loom)`.
+//! crate says `cfg(loom)`, but the locks and the tests.
 
 #[cfg(loom)]
 pub(crate) use loom::sync::atomic::{AtomicUsize, Ordering, fence};
@@ -34,3 +34,6 @@ macro_rules! array_of {
     };
 }
 pub(crate) use array_of;
+
+#[cfg(all(feature = "mutant", not(loom)))]
+compile_error!("a mutant is broken on purpose; only `ci/loom.sh` builds it");

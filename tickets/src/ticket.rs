@@ -13,12 +13,16 @@ use crate::standing::Standing;
 
 /// To whom a ticket goes back.
 pub trait Issuer: Sync {
-    /// The ticket is given back. `refused` commands of it are not recorded yet.
+    /// The ticket with this seat is given back. `refused` commands of it are
+    /// not recorded yet.
+    ///
+    /// Anybody can call this, with a seat of their own making. What nobody else
+    /// can point to is the issuer's own scope: a seat without it is ignored.
     ///
     /// # Timing
     /// Constant: called from `Drop`, so it unlinks and marks, and leaves the
     /// device to the next service.
-    fn relinquish(&self, ticket: TicketId, gate: GateId, refused: u32);
+    fn relinquish(&self, seat: &Seat<'_>, refused: u32);
 }
 
 /// Where a ticket's validity is decided: its grant's standing, and the scopes
@@ -77,8 +81,9 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
     /// One that was admitted before it may still be in progress; who revoked
     /// waits for quiescence.
     pub fn invoke(&self, command: D::Command) -> Result<D::Response, InvokeError<D::Fault>> {
-        let result = self.gate.invoke(command, self.refused.get(), || self.look());
-        self.count(&result);
+        let refused = self.refused.take();
+        let result = self.gate.invoke(command, refused, || self.look());
+        self.count(refused, &result);
         result
     }
 
@@ -91,8 +96,9 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
     /// # Timing
     /// Constant, beside the driver's own time.
     pub fn try_invoke(&self, command: D::Command) -> Result<D::Response, InvokeError<D::Fault>> {
-        let result = self.gate.try_invoke(command, self.refused.get(), || self.look());
-        self.count(&result);
+        let refused = self.refused.take();
+        let result = self.gate.try_invoke(command, refused, || self.look());
+        self.count(refused, &result);
         result
     }
 
@@ -125,6 +131,12 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
     /// The ticket's identity, for supervisors and records.
     pub fn id(&self) -> TicketId {
         self.seat.id
+    }
+
+    /// Whether it is this issuer's: another one can have a ticket with the same
+    /// identity.
+    pub fn is_of(&self, issuer: &A) -> bool {
+        core::ptr::eq(self.issuer, issuer)
     }
 
     /// Gives the ticket back. Dropping it does the same.
@@ -169,7 +181,7 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
         let Seat { id, standing, agent, broker, .. } = self.seat;
         let (tenant, admitted_at) = self.gate.tenant();
         let epoch = broker.epoch();
-        let valid = tenant == id.serial
+        let valid = (cfg!(feature = "mutant-any-tenant") || tenant == id.serial)
             && standing.own_is_current()
             && admitted_at == agent.epoch()
             && standing.broker_is_current(id.serial, epoch);
@@ -191,19 +203,17 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
         Refusal::RevokedAll { floor: broker.floor().or(agent.floor()) }
     }
 
-    fn count(&self, result: &Result<D::Response, InvokeError<D::Fault>>) {
-        let refused = match result {
-            Err(InvokeError::Refused(_)) => self.refused.get().saturating_add(1),
-            _ => 0,
-        };
-        self.refused.set(refused);
+    /// Counts on from `before`, which was taken out and not recorded.
+    fn count(&self, before: u32, result: &Result<D::Response, InvokeError<D::Fault>>) {
+        if let Err(InvokeError::Refused(_)) = result {
+            self.refused.set(before.saturating_add(1));
+        }
     }
 }
 
 impl<D: Device, P: Platform, A: Issuer> Drop for Ticket<'_, D, P, A> {
     fn drop(&mut self) {
-        let Seat { id, gate, .. } = self.seat;
-        self.issuer.relinquish(id, gate, self.refused.get());
+        self.issuer.relinquish(&self.seat, self.refused.get());
     }
 }
 

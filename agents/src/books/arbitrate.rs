@@ -123,7 +123,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         let mut choice = Choice { by_gate: [None; MAX_GATES], draws: self.immovable_draws() };
         for seat in candidates {
             let blocked = self.blocked(*seat, &choice);
-            if blocked.is_none() {
+            if blocked.is_none() || cfg!(feature = "mutant-taken-in-vain") {
                 self.choose_seat(*seat, &mut choice);
             }
             if let Some(grant) = self.grant_mut(*seat) {
@@ -253,8 +253,17 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     /// Who took what the grant had, as far as there is one true name.
     fn why_preempted(&self, seat: u16, candidates: &Candidates, choice: &Choice) -> Why {
         let Some(grant) = self.grant(seat) else { return Why::Unknown };
-        let by_gate = gates_of(grant.gates).find_map(|gate| self.gate_blocks(gate, choice));
-        let taker = match by_gate.or(grant.blocked) {
+        // One that is not a candidate stands behind another in its gate's line,
+        // and lost what that one has, or cannot have either.
+        let blocked = if candidates.contains(&seat) {
+            grant.blocked
+        } else {
+            gates_of(grant.gates).find_map(|gate| self.gate_blocks(gate, choice)).or_else(|| {
+                let head = self.head(gates_of(grant.gates).next()?.0.into())?;
+                self.grant(head)?.blocked
+            })
+        };
+        let taker = match blocked {
             Some(Waiting::Faulted { .. }) => return Why::GateFaulted,
             Some(Waiting::Gate { by, .. } | Waiting::Exclusive { by }) => Some(by.seat),
             Some(Waiting::Categories { by, .. }) => by.map(|by| by.seat),
@@ -274,7 +283,8 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     /// has not got it yet.
     fn margin_taker(&self, victim: u16, candidates: &Candidates, choice: &Choice) -> Option<u16> {
         let lost = self.draws_of(self.grant(victim)?.gates, |_| true);
-        let mut before = candidates.iter().copied().take_while(|seat| *seat != victim);
+        let rank = |seat: u16| self.grant(seat).map(super::Grant::rank);
+        let mut before = candidates.iter().copied().filter(|seat| rank(*seat) < rank(victim));
         before.find(|seat| {
             let Some(grant) = self.grant(*seat) else { return false };
             let draws = self.draws_of(grant.gates, |_| true);

@@ -240,6 +240,8 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         #[cfg(feature = "mutant-stale-estimate")]
         let fresh = true;
         match (estimate.state, device.phase) {
+            #[cfg(feature = "mutant-early-credit")]
+            (Power::Off, Phase::Leaving { .. }) => self.seen_off(gate, estimate.measured_at),
             (Power::Off, Phase::Idle | Phase::Confirming { .. }) if fresh => {
                 self.seen_off(gate, estimate.measured_at);
                 let _ = actions.noted.push(Noted::SeenOff(gate));
@@ -367,12 +369,22 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         let charged = self.is_charged(device) || device.must_safe;
         // Something else may have turned it on.
         let seen_on = device.seen.is_none_or(|seen| seen.state != Power::Off);
-        if !(vacated.may_be_on || seen_on) || !charged {
+        if !(vacated.may_be_on || seen_on) {
             self.seen_off(gate, vacated.at);
-            if let Some(device) = self.device_mut(gate).filter(|_| vacated.may_be_on) {
-                // Nobody saw it off: the gate is not to be told so.
-                device.tell_off = None;
-            }
+        } else if !charged {
+            self.leave_on(gate, vacated.at);
+        }
+    }
+
+    /// Nobody waits for it to be seen off. Who used it and lives goes on using
+    /// it until it is, or until somebody else has it.
+    fn leave_on(&mut self, gate: GateId, at: Instant) {
+        let gone = |device: &&DeviceBook| matches!(device.last_user, LastUser::Gone { .. });
+        if self.device(gate).filter(gone).is_some() {
+            self.settle_last_user(gate, at);
+        }
+        if let Some(device) = self.device_mut(gate) {
+            device.settle_uncharged();
         }
     }
 
@@ -400,7 +412,10 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         actions: &mut Actions,
     ) {
         let Some(device) = self.device_mut(gate) else { return };
+        #[cfg(not(feature = "mutant-late-admission"))]
         let expected = device.phase == Phase::Admitting && device.tenant == Some(ticket.seat);
+        #[cfg(feature = "mutant-late-admission")]
+        let expected = true;
         if !expected || device.tenure != after {
             return;
         }

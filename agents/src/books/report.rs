@@ -92,6 +92,12 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         agents.fold(0, |bits, device| bits | 1 << device.agent)
     }
 
+    /// The agent that a gate belongs to, by number.
+    #[must_use]
+    pub fn agent_of(&self, gate: GateId) -> Option<u8> {
+        self.device(gate).map(|device| device.agent)
+    }
+
     /// The serial of whoever has the seat (0 for nobody), and its own epoch as
     /// the books count it.
     #[must_use]

@@ -393,6 +393,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         grant.own = epoch;
         if grant.serial != 0 && grant.is_granted() {
             grant.state = State::Waiting;
+            grant.exempt = false;
             let gates = grant.gates;
             self.put_out(seat, gates);
         }

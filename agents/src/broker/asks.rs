@@ -244,7 +244,21 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
         ticket: &Ticket<'b, D, Q, Self>,
         want: &Want<'g, E, R>,
     ) -> Result<Ticket<'b, E, R, Self>, RequestRefused> {
+        let asked = self.grow(ticket, want);
+        let id = asked.inspect_err(|_| self.record(RecordedEvent::RequestRefused))?;
+        self.notify.service_due();
+        self.ticket(&want.handle, id).ok_or(RequestRefused::UnknownGate)
+    }
+
+    fn grow<D: Device, Q: Platform, E: Device, R: Platform>(
+        &self,
+        ticket: &Ticket<'_, D, Q, Self>,
+        want: &Want<'g, E, R>,
+    ) -> Result<TicketId, RequestRefused> {
         let gate = self.known(&want.handle)?;
+        if !ticket.is_of(self) {
+            return Err(RequestRefused::UnknownGate);
+        }
         let id = ticket.id();
         let entered = self.enter(|ledger| {
             let now = ledger.clock.now();
@@ -252,11 +266,9 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
             let agents = ledger.books.agents_of(id);
             self.carry_out(ledger, now, &actions);
             self.with_standing(id.seat, |standing| standing.set_agents(agents));
-            Ok(())
+            Ok(id)
         });
-        entered.unwrap_or(Err(RequestRefused::Unavailable))?;
-        self.notify.service_due();
-        self.ticket(&want.handle, id).ok_or(RequestRefused::UnknownGate)
+        entered.unwrap_or(Err(RequestRefused::Unavailable))
     }
 
     fn seat(&self, priority: Priority, ask: &Ask) -> Result<TicketId, RequestRefused> {

@@ -6,6 +6,8 @@ use faregate_tickets::id::GateId;
 use faregate_tickets::lock::Exclusion;
 use faregate_tickets::notify::Notify;
 use faregate_tickets::platform::Platform;
+#[cfg(any(feature = "mutant-lost-bar", feature = "mutant-late-stamp"))]
+use faregate_tickets::standing::Stamp;
 
 use crate::books::{Actions, Done, Event, Work};
 use crate::limits::MAX_GATES;
@@ -181,6 +183,10 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
             return None;
         };
         let standing = self.standings.get(usize::from(ticket.seat))?;
+        #[cfg(feature = "mutant-lost-bar")]
+        let stamp = stamp.map(|stamp| Stamp { own: standing.epoch_seen(), ..stamp });
+        #[cfg(feature = "mutant-late-stamp")]
+        let stamp = stamp.map(|stamp| Stamp { broker: self.scope.read().epoch, ..stamp });
         let stamp = stamp.map(|stamp| (standing, stamp));
         let admission = Admission { serial: ticket.serial, tenure: after, agent, validity, stamp };
         let admitted = key.admit(admission, timeout);

@@ -10,6 +10,7 @@ use faregate_tickets::notify::Notify;
 use faregate_tickets::platform::Platform;
 use faregate_tickets::recorder::{Lane, Record, RecordedEvent};
 use faregate_tickets::scope::Scope;
+use faregate_tickets::standing::Standing;
 use faregate_tickets::ticket::Ticket;
 
 use crate::books::Event;
@@ -116,15 +117,7 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
     /// # Timing
     /// Constant: three atomic writes; nobody can delay it.
     pub fn bar(&self, supervisor: &Supervisor, ticket: TicketId) -> Result<Revoked<'_>, NotYours> {
-        self.scope_of(supervisor)?;
-        let standing = self.standings.get(usize::from(ticket.seat)).ok_or(NotYours::Stale)?;
-        if !standing.is_occupied_by(ticket.serial) {
-            return Err(NotYours::Stale);
-        }
-        if supervisor.agent.is_some_and(|agent| standing.agents() & (1 << agent) == 0) {
-            return Err(NotYours::OtherScope);
-        }
-        standing.bar(ticket.serial);
+        self.standing_of(supervisor, ticket)?.bar(ticket.serial);
         self.scope.note_bar();
         self.notify.service_due();
         Ok(Revoked { keys: &self.keys })
@@ -135,14 +128,12 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
     /// # Errors
     /// [`NotYours`].
     pub fn reinstate(&self, supervisor: &Supervisor, ticket: TicketId) -> Result<(), NotYours> {
-        self.scope_of(supervisor)?;
+        let standing = self.standing_of(supervisor, ticket)?;
         // The bar itself may not have been noticed yet.
         self.service();
-        self.with_standing(ticket.seat, |standing| {
-            if standing.is_occupied_by(ticket.serial) {
-                standing.forget_bar();
-            }
-        });
+        if standing.is_occupied_by(ticket.serial) {
+            standing.forget_bar();
+        }
         self.order(RecordedEvent::Reinstated, ticket.serial);
         self.tell(Event::Reinstated(ticket));
         Ok(())
@@ -183,7 +174,8 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
     /// one is exempt only if it was still valid; the answer says so.
     ///
     /// # Errors
-    /// [`NotYours::OtherScope`]: it takes a supervisor of the whole broker.
+    /// [`NotYours::OtherScope`]: it takes a supervisor of the whole broker, and
+    /// a ticket of it. Nothing is revoked then.
     ///
     /// # Timing
     /// Constant, as [`Broker::enter_safe_mode`].
@@ -193,7 +185,7 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
         ticket: &Ticket<'_, D, Q, Self>,
         floor: Priority,
     ) -> Result<(bool, Revoked<'_>), NotYours> {
-        if supervisor.agent.is_some() {
+        if supervisor.agent.is_some() || !ticket.is_of(self) {
             return Err(NotYours::OtherScope);
         }
         let scope = self.scope_of(supervisor)?;
@@ -209,10 +201,31 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
     /// [`NotYours::OtherScope`].
     pub fn reset_gate(&self, supervisor: &Supervisor, gate: GateId) -> Result<(), NotYours> {
         self.scope_of(supervisor)?;
+        let agent = self.enter(|ledger| ledger.books.agent_of(gate)).flatten();
+        if supervisor.agent.is_some_and(|own| Some(own) != agent) {
+            return Err(NotYours::OtherScope);
+        }
         self.key(gate).ok_or(NotYours::OtherScope)?.reopen();
         self.order(RecordedEvent::Reopened, 0);
         self.tell(Event::Reset(gate));
         Ok(())
+    }
+
+    /// The standing of a ticket that the supervisor may bar and reinstate.
+    fn standing_of(
+        &self,
+        supervisor: &Supervisor,
+        ticket: TicketId,
+    ) -> Result<&Standing, NotYours> {
+        self.scope_of(supervisor)?;
+        let standing = self.standings.get(usize::from(ticket.seat)).ok_or(NotYours::Stale)?;
+        if !standing.is_occupied_by(ticket.serial) {
+            return Err(NotYours::Stale);
+        }
+        if supervisor.agent.is_some_and(|agent| standing.agents() & (1 << agent) == 0) {
+            return Err(NotYours::OtherScope);
+        }
+        Ok(standing)
     }
 
     fn scope_of(&self, supervisor: &Supervisor) -> Result<&Scope, NotYours> {

@@ -8,9 +8,9 @@ use faregate_tickets::clock::Duration;
 use super::lamp::Switch;
 use super::world::{ENERGY, SEATS, World};
 
-/// Longer than any device takes to settle and be measured.
-const ROUND: Duration = Duration::from_millis(60);
-const MOST_ROUNDS: usize = 60;
+/// The sensors' period: shorter than any device's estimate lag.
+const ROUND: Duration = Duration::from_millis(4);
+const MOST_ROUNDS: usize = 100;
 
 impl World<'_> {
     /// After every step of a history.
@@ -23,11 +23,14 @@ impl World<'_> {
     }
 
     /// **Margin Kept.** Nothing is added to the charges beyond the supply.
-    /// (What was charged at boot, or before the supply fell, stays until it is
-    /// seen off.)
+    /// (What was charged at boot, or before the supply fell, or what something
+    /// else turned on, stays until it is seen off.)
     pub fn check_charges(&mut self) {
         let charged = self.charges();
         let before = std::mem::replace(&mut self.charged, charged);
+        if std::mem::take(&mut self.unbidden_seen) {
+            return;
+        }
         for (agent, (before, after)) in before.iter().zip(&self.charged).enumerate() {
             let within = *after <= (*before).max(self.supply[agent]);
             let rules = self.rules(agent);

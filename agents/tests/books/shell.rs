@@ -20,6 +20,7 @@ const MOST_STEPS: usize = 16 * super::world::GATES + 16;
 impl World<'_> {
     pub fn feed(&mut self, event: Event) {
         let stuck_before = self.states();
+        if std::env::var("FEED").is_ok() { let text = format!("{event:?}"); eprintln!("{}", &text[..text.len().min(160)]); }
         let actions = self.books.steps([Event::Tick(self.now()), event]);
         self.note_vacated(&stuck_before);
         self.carry_out(&actions);
@@ -242,7 +243,9 @@ impl World<'_> {
 
     pub fn observe(&mut self, gate: GateId, estimate: Estimate) {
         let number = usize::from(gate.0);
-        let granted = self.books.device_report(gate).unwrap().state == DeviceState::Granted;
+        let state = self.books.device_report(gate).unwrap().state;
+        let granted = state == DeviceState::Granted;
+        self.unbidden_seen = state == DeviceState::Off && estimate.state == Power::On;
         self.feed(Event::Observed(gate, estimate));
         // Said again, of a device whose ticket nobody took: it is not stuck.
         if granted && estimate.state == Power::Off && estimate.measured_at == self.now() {

@@ -12,6 +12,16 @@ use faregate_tickets::validity::{Function, Validity};
 use super::lamp::Switch;
 use super::world::{Granted, World};
 
+/// A history, printed with one happening on a line.
+#[derive(Clone)]
+pub struct History(pub Vec<Step>);
+
+impl std::fmt::Debug for History {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.0.iter().try_for_each(|step| write!(f, "\n  {step:?},"))
+    }
+}
+
 /// One happening. Numbers pick among what there is.
 #[derive(Clone, Debug)]
 pub enum Step {
@@ -319,7 +329,7 @@ impl World<'_> {
             exempt: false,
             has_budget: limit == Limit::Energy,
             on_commands_left: (limit == Limit::Invocations && distinct.len() == 1)
-                .then_some(INVOCATIONS),
+                .then_some((distinct[0], INVOCATIONS)),
             tickets: distinct.iter().map(|gate| (*gate, self.ticket(id, *gate))).collect(),
         };
         self.grants.insert(id.serial, granted);
@@ -362,7 +372,7 @@ impl World<'_> {
         let issued = ticket.invoke(command).is_ok();
         if issued && command == Switch::On {
             self.budget_used |= grant.has_budget;
-            if let Some(left) = &mut grant.on_commands_left {
+            if let Some((_, left)) = grant.on_commands_left.as_mut().filter(|(of, _)| of == gate) {
                 *left = left.checked_sub(1).expect("a limit on use holds from ticket to ticket");
             }
         }

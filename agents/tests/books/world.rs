@@ -31,11 +31,18 @@ impl Issuer for Nobody {
     fn relinquish(&self, _: TicketId, _: GateId, _: u32) {}
 }
 
-/// What a world is made of.
-#[derive(Clone, Debug)]
+/// What a world is made of, printed with one part on a line.
+#[derive(Clone)]
 pub struct Setup {
     pub agents: Vec<Rules>,
     pub devices: Vec<Declared>,
+}
+
+impl std::fmt::Debug for Setup {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.agents.iter().try_for_each(|agent| write!(f, "\n  {agent:?},"))?;
+        self.devices.iter().try_for_each(|device| write!(f, "\n  {device:?},"))
+    }
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -128,7 +135,8 @@ pub struct Granted<'w> {
     pub resting: bool,
     pub exempt: bool,
     pub has_budget: bool,
-    pub on_commands_left: Option<u32>,
+    /// Where one gate was asked for with a limit on use.
+    pub on_commands_left: Option<(GateId, u32)>,
     pub tickets: Vec<(GateId, Ticket<'w>)>,
 }
 
@@ -158,6 +166,8 @@ pub struct World<'w> {
     /// Offered once, and not done then.
     pub late_work: Vec<Work>,
     pub budget_used: bool,
+    /// A sensor shows on what nobody was given.
+    pub unbidden_seen: bool,
     /// Charges, as they were after the last step.
     pub charged: Vec<u64>,
     pub changes: usize,
@@ -197,6 +207,7 @@ impl<'w> World<'w> {
             unreported: Vec::new(),
             late_work: Vec::new(),
             budget_used: false,
+            unbidden_seen: false,
             charged: vec![0; agents],
             changes: 0,
         };

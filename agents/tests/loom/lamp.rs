@@ -42,9 +42,8 @@ struct Death;
 
 impl Containment for Contained {
     fn contain<R>(f: impl FnOnce() -> R) -> Result<R, Panicked> {
-        catch_unwind(AssertUnwindSafe(f)).map_err(|reason| {
-            if reason.is::<Death>() { Panicked } else { resume_unwind(reason) }
-        })
+        catch_unwind(AssertUnwindSafe(f))
+            .map_err(|reason| if reason.is::<Death>() { Panicked } else { resume_unwind(reason) })
     }
 }
 

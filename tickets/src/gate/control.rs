@@ -67,6 +67,14 @@ pub struct Admission<'a> {
     pub stamp: Option<(&'a Standing, Stamp)>,
 }
 
+impl Admission<'_> {
+    fn stamp(&self) {
+        if let Some((standing, stamp)) = self.stamp {
+            standing.stamp(stamp);
+        }
+    }
+}
+
 pub(crate) trait Control: Sync {
     fn profile(&self) -> &Profile;
     fn fault(&self) -> Option<GateFault>;
@@ -159,6 +167,8 @@ impl<D: Device, P: Platform> Control for Gate<'_, D, P> {
             if tried.wrapping_add(1) != attempt {
                 return Err(Blocked::Stale);
             }
+            // Counted before the driver runs: one that unwinds has had it.
+            inside.safed = (attempt, inside.now());
             inside.safe(&self.published);
             let at = inside.now();
             inside.safed = (attempt, at);
@@ -168,7 +178,7 @@ impl<D: Device, P: Platform> Control for Gate<'_, D, P> {
     }
 
     fn admit(&self, admission: Admission<'_>, timeout: Duration) -> Result<usize, Blocked> {
-        self.enter(timeout, |inside| {
+        let admitted = self.enter(timeout, |inside| {
             let next = admission.tenure.wrapping_add(1);
             if self.tenant().0 == admission.serial && inside.tenure == next {
                 return Ok(next);
@@ -178,7 +188,10 @@ impl<D: Device, P: Platform> Control for Gate<'_, D, P> {
             }
             self.let_in(inside, &admission);
             Ok(next)
-        })
+        });
+        #[cfg(feature = "mutant-stamp-outside")]
+        admission.stamp();
+        admitted
     }
 
     fn seen_off(&self, tenure: usize, at: Instant, timeout: Duration) -> Result<(), Blocked> {
@@ -213,6 +226,9 @@ impl<D: Device, P: Platform> Control for Gate<'_, D, P> {
     }
 
     fn pass(&self, timeout: Duration) -> Result<(), Blocked> {
+        #[cfg(feature = "mutant-no-quiescence")]
+        return Ok(());
+        #[cfg(not(feature = "mutant-no-quiescence"))]
         self.enter(timeout, |_| Ok(()))
     }
 
@@ -247,9 +263,8 @@ impl<D: Device, P: Platform> Gate<'_, D, P> {
         // late one would undo a later admission.
         self.published.agent_stamp.store(admission.agent, Ordering::Relaxed);
         self.published.tenant.store(admission.serial, Ordering::Relaxed);
-        if let Some((standing, stamp)) = admission.stamp {
-            standing.stamp(stamp);
-        }
+        #[cfg(not(feature = "mutant-stamp-outside"))]
+        admission.stamp();
         let tenure = inside.tenure;
         inside.record(now, admission.serial, RecordedEvent::Admitted { tenure });
     }

@@ -12,7 +12,7 @@ use faregate_tickets::validity::Validity;
 struct Nobody;
 
 impl Issuer for Nobody {
-    fn relinquish(&self, _: TicketId, _: GateId, _: u32) {}
+    fn relinquish(&self, _: &Seat<'_>, _: u32) {}
 }
 
 fn main() {
