@@ -73,7 +73,11 @@ impl Flight {
     fn ask_ahead(&self) -> Outcome<Ticket<CameraDriver>> {
         let want = self.camera.limited(Function::energy(COMET));
         let comet = self.broker.request(Priority::SCIENCE, &want)?;
-        println!("The comet asks for {}, and has it promised; {} left.", joules(COMET), joules(self.left()?));
+        println!(
+            "The comet asks for {}, and has it promised; {} left.",
+            joules(COMET),
+            joules(self.left()?)
+        );
         claim(self.left()? == BUDGET.saturating_sub(COMET), "a promise is set aside at once")?;
         Ok(comet)
     }

@@ -24,7 +24,7 @@ use faregate_devices_sim::{
     Spacecraft, ThrusterCommand, ThrusterDriver,
 };
 
-use support::{Outcome, Sensors, claim, wait_for};
+use support::{Failure, Outcome, Sensors, claim, wait_for};
 
 mod support;
 
@@ -76,16 +76,17 @@ impl Propulsion {
     fn new(validity: Function) -> Outcome<Self> {
         let parameters = support::parameters();
         let margin = parameters.supply().saturating_sub(parameters.base_load);
-        let spacecraft =
-            Spacecraft::new(parameters, FaultScript::new(), 1, &SimClock::real_time());
+        let spacecraft = Spacecraft::new(parameters, FaultScript::new(), 1, &SimClock::real_time());
         // Gates live as long as the program, and so does what they look at.
         let interlock: &'static Interlock = Box::leak(Box::new(Interlock::new()));
 
         let mut builder = Broker::builder()?;
         let agent = builder.agent(Policy::power_margin(margin))?;
-        let side = |side| Ok::<_, Box<dyn std::error::Error + Send + Sync>>(
-            GateOptions::new().interlocked(interlock.member(side, 0)?),
-        );
+        let side = |side| {
+            Ok::<_, Failure>(
+                GateOptions::new().interlocked(interlock.member(side, 0)?),
+            )
+        };
         let driver = spacecraft.thruster_driver().ok_or("the driver is taken")?;
         let valve = builder.gate_with(agent, "valve", driver, side(Side::A)?)?;
         let driver = spacecraft.heaters_driver().ok_or("the driver is taken")?;
@@ -100,8 +101,10 @@ impl Propulsion {
     /// Both tickets are valid together: it is their functions that keep the
     /// devices apart.
     fn tickets(&self) -> Outcome<(Ticket<ThrusterDriver>, Ticket<HeatersDriver>)> {
-        let valve = self.broker.request(Priority::ENGINEERING, &self.valve.limited(self.validity))?;
-        let heaters = self.broker.request(Priority::ENGINEERING, &self.heaters.limited(self.validity))?;
+        let valve =
+            self.broker.request(Priority::ENGINEERING, &self.valve.limited(self.validity))?;
+        let heaters =
+            self.broker.request(Priority::ENGINEERING, &self.heaters.limited(self.validity))?;
         self.broker.wait(&valve, ms(1_000))?;
         self.broker.wait(&heaters, ms(1_000))?;
         Ok((valve, heaters))
@@ -148,10 +151,14 @@ impl Propulsion {
         let (on, off) = (HeatersCommand::On, HeatersCommand::Off);
         thread::scope(|scope| {
             let valve = scope.spawn(move || self.take_turns(&valve, [open, close], [8, 40], until));
-            let heaters = scope.spawn(move || self.take_turns(&heaters, [on, off], [30, 40], until));
+            let heaters =
+                scope.spawn(move || self.take_turns(&heaters, [on, off], [30, 40], until));
             let ended = |thread: thread::ScopedJoinHandle<'_, _>| thread.join();
             let (valve, heaters) = (ended(valve), ended(heaters));
-            Ok([valve.map_err(|_| "a thread panicked")??, heaters.map_err(|_| "a thread panicked")??])
+            Ok([
+                valve.map_err(|_| "a thread panicked")??,
+                heaters.map_err(|_| "a thread panicked")??,
+            ])
         })
     }
 

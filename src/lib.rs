@@ -87,9 +87,7 @@ pub mod prelude {
     pub use faregate_agents::{Categories, Policy, RequestRefused, Supervisor, Waiting};
     pub use faregate_runtime::{Broker, GateOptions, Handle, NotValid, Ticket};
     pub use faregate_tickets::Device;
-    pub use faregate_tickets::amount::{
-        Microjoules, Milligrams, MilligramsPerSecond, Milliwatts,
-    };
+    pub use faregate_tickets::amount::{Microjoules, Milligrams, MilligramsPerSecond, Milliwatts};
     pub use faregate_tickets::clock::{Clock, Duration, Instant};
     pub use faregate_tickets::device::{
         Declaration, Effect, Estimate, Power, Profile, WhenOrphaned,

@@ -33,8 +33,12 @@ pub(crate) fn camera_monitor(
 
 fn tell_refusals(stage: &Stage, issued: bool, refused: &mut u32) {
     match (issued, *refused) {
-        (false, 0) => stage.tell("monitor", || "camera on: refused, and tries again and again".into()),
-        (true, 1..) => stage.tell("monitor", || format!("camera on: issued, after {refused} refusals")),
+        (false, 0) => {
+            stage.tell("monitor", || "camera on: refused, and tries again and again".into())
+        }
+        (true, 1..) => {
+            stage.tell("monitor", || format!("camera on: issued, after {refused} refusals"))
+        }
         _ => {}
     }
     *refused = if issued { 0 } else { *refused + 1 };
@@ -68,7 +72,8 @@ pub(crate) fn camera_off_for_sure(
     while stage.goes_on() {
         off();
         let at_rest = stage.clock.now().after(parameters.camera_settling);
-        let due = at_rest.after(parameters.sensor_lag).after(parameters.sensor_period.saturating_mul(2));
+        let due =
+            at_rest.after(parameters.sensor_lag).after(parameters.sensor_period.saturating_mul(2));
         while stage.goes_on() && stage.clock.now() <= due {
             stage.wait(MS);
             if is_freshly_off(craft, DeviceId::Camera, at_rest) {

@@ -169,7 +169,10 @@ impl Campaign {
         let flag = Design::Tickets(Variant::Without(Ablation::Quiescence)).name();
         let telling = |row: &&Row| row.name == flag && row.runs >= TELLING_RUNS;
         if self.designs.iter().find(telling).is_some_and(|row| row.commands_after_quiescence == 0) {
-            complaints.push("the bare flag let no command through after revocation: this harness sees nothing".into());
+            complaints.push(
+                "the bare flag let no command through after revocation: this harness sees nothing"
+                    .into(),
+            );
         }
         complaints
     }

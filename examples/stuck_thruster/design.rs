@@ -64,11 +64,13 @@ impl Design {
             Self::Rival(Rival::BareCommands) => "bare commands",
             Self::Rival(Rival::SuspendedMonitor) => "suspended monitor",
             Self::Rival(Rival::Convention) => "allocations by convention",
-            Self::Tickets(Variant::Without(Ablation::Quiescence)) => "tickets without quiescence (bare flag)",
-            Self::Tickets(Variant::Without(Ablation::Safing)) => "tickets without safing",
-            Self::Tickets(Variant::Without(Ablation::Confirmation)) => "tickets without confirmation",
-            Self::Tickets(Variant::Without(Ablation::FreshEstimates)) => "tickets with stale estimates",
-            Self::Tickets(Variant::Without(Ablation::Lease)) => "tickets without a lease",
+            Self::Tickets(Variant::Without(Ablation::Quiescence)) => {
+                "without quiescence (bare flag)"
+            }
+            Self::Tickets(Variant::Without(Ablation::Safing)) => "without safing",
+            Self::Tickets(Variant::Without(Ablation::Confirmation)) => "without confirmation",
+            Self::Tickets(Variant::Without(Ablation::FreshEstimates)) => "with stale estimates",
+            Self::Tickets(Variant::Without(Ablation::Lease)) => "without a lease",
         }
     }
 

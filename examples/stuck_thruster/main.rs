@@ -107,7 +107,8 @@ fn demonstrate(seed: u64) -> Option<String> {
     println!("One run on real threads: tickets with the power margin policy\n");
     let scene = Scene::demonstration(seed);
     let stage = Stage::real_time(scene.ends_at).telling();
-    let flight = Design::Tickets(Variant::PowerMargin).fly::<HostStrategy>(&scene, &stage, &Tape::off());
+    let flight =
+        Design::Tickets(Variant::PowerMargin).fly::<HostStrategy>(&scene, &stage, &Tape::off());
     println!("{}", report::timeline(&stage.story()));
     let saved = flight.lost.is_none();
     println!("\n{}", if saved { "saved" } else { "LOST" });
@@ -123,7 +124,10 @@ fn replay(name: &str, seed: u64) -> Result<(), Box<dyn Error>> {
     let stage = Stage::virtual_time(scene.ends_at).telling();
     let flight = design.fly::<SimLocked>(&scene, &stage, &Tape::off());
     println!("{name}, seed {seed}, in virtual time\n\n{}", report::timeline(&stage.story()));
-    println!("\n{}", flight.lost.map_or("saved".into(), |(at, law)| format!("LOST at {at}: {law}")));
+    println!(
+        "\n{}",
+        flight.lost.map_or("saved".into(), |(at, law)| format!("LOST at {at}: {law}"))
+    );
     Ok(())
 }
 
@@ -139,7 +143,8 @@ fn draw(file: &Path, seed: u64) -> Result<(), Box<dyn Error>> {
     let left = panel("Tickets, power margin policy", &with);
     let right = panel("Bare commands", &without);
     let svg = picture::draw(&left, &right)?;
-    std::fs::write(file, svg).map_err(|error| format!("cannot write {}: {error}", file.display()))?;
+    std::fs::write(file, svg)
+        .map_err(|error| format!("cannot write {}: {error}", file.display()))?;
     Ok(())
 }
 

@@ -1,6 +1,6 @@
 //! What is printed: the timeline of one run, and the table of all.
 
-use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
+use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, presets};
 
 use crate::campaign::{Campaign, Row};
 use crate::stage::Line;
@@ -17,10 +17,19 @@ pub(crate) fn timeline(story: &[Line]) -> String {
 /// The table of all designs.
 pub(crate) fn table(campaign: &Campaign) -> String {
     let mut table = Table::new();
-    table.load_preset(presets::NOTHING).set_content_arrangement(ContentArrangement::Disabled);
+    table.load_style(presets::NOTHING.header_separator(LineStyle::none().fill('-').junction('-')));
+    table.set_content_arrangement(ContentArrangement::Disabled);
     table.set_header([
-        "design", "runs", "lost", "by which law", "after quiescence", "valid refused", "cutoffs",
-        "restored", "worst cutoff", "its bound",
+        "design\n",
+        "runs\n",
+        "lost\n",
+        "by which\nlaw",
+        "commands after\nquiescence",
+        "valid\nrefused",
+        "cutoffs\nactuated",
+        "observations\nrestored",
+        "worst\ncutoff",
+        "its\nbound",
     ]);
     for row in &campaign.designs {
         table.add_row(cells(row));
@@ -38,7 +47,7 @@ fn cells(row: &Row) -> [String; 10] {
         row.name.into(),
         row.runs.to_string(),
         row.lost.to_string(),
-        if laws.is_empty() { "-".into() } else { laws.join(", ") },
+        if laws.is_empty() { "-".into() } else { laws.join("\n") },
         row.commands_after_quiescence.to_string(),
         row.valid_refused.to_string(),
         row.cutoffs_actuated.to_string(),

@@ -54,10 +54,14 @@ pub(crate) fn fly(scene: &Scene, rival: Rival, stage: &Stage, tape: &Tape) -> Fl
         ("director", Priority::LEAST, Box::new(|| bodies::director(stage, scene, &craft, tape))),
     ];
     if let Some(monitor) = scene.monitor {
-        threads.push(("monitor", Priority::SCIENCE, Box::new({
-            let world = &world;
-            move || world.monitor(monitor)
-        })));
+        threads.push((
+            "monitor",
+            Priority::SCIENCE,
+            Box::new({
+                let world = &world;
+                move || world.monitor(monitor)
+            }),
+        ));
     }
     stage.perform(scene.seed, threads);
     world.result(tape)
@@ -99,7 +103,8 @@ impl World<'_> {
         match self.rival {
             Rival::BareCommands => {}
             Rival::SuspendedMonitor => {
-                *self.suspended.lock().expect("nobody panics") = Some(now.after(LONGEST_SUSPENSION));
+                *self.suspended.lock().expect("nobody panics") =
+                    Some(now.after(LONGEST_SUSPENSION));
             }
             Rival::Convention => self.allocated.store(false, Ordering::SeqCst),
         }

@@ -123,7 +123,8 @@ impl Scene {
         if self.driver_hangs {
             self.driver_hangs = false;
             self.parameters.generation = Parameters::default().generation;
-            let others = self.script.iter().filter(|fault| !matches!(fault, Fault::CommandFails { .. }));
+            let others =
+                self.script.iter().filter(|fault| !matches!(fault, Fault::CommandFails { .. }));
             self.script = others.fold(FaultScript::new(), FaultScript::with);
         }
         self

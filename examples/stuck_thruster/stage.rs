@@ -1,8 +1,8 @@
 //! Where threads run: on real threads and real time, or interleaved by a seed
 //! in virtual time. The bodies are the same.
 
-use std::sync::{Arc, Mutex};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 
 use faregate::runtime::wake::Wakeup;
 use faregate::tickets::clock::{Clock, Duration, Instant};

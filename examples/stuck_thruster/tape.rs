@@ -40,6 +40,8 @@ impl Tape {
 
     pub(crate) fn samples(&self) -> Vec<Truth> {
         let samples = self.samples.as_ref();
-        samples.map(|samples| samples.lock().expect("no sampler panics").clone()).unwrap_or_default()
+        samples
+            .map(|samples| samples.lock().expect("no sampler panics").clone())
+            .unwrap_or_default()
     }
 }

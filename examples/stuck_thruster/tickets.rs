@@ -107,7 +107,12 @@ struct World<'w, 'g, S: Strategy> {
 type Requests = Mutex<Vec<(&'static str, Instant)>>;
 
 /// Flies one scene with tickets.
-pub(crate) fn fly<S: Strategy>(scene: &Scene, variant: Variant, stage: &Stage, tape: &Tape) -> Flight {
+pub(crate) fn fly<S: Strategy>(
+    scene: &Scene,
+    variant: Variant,
+    stage: &Stage,
+    tape: &Tape,
+) -> Flight {
     let clock = &stage.clock;
     let craft = Spacecraft::new(scene.parameters.clone(), scene.script.clone(), scene.seed, clock);
     let watch = Watch::new(&craft, stage.teller());
@@ -117,9 +122,12 @@ pub(crate) fn fly<S: Strategy>(scene: &Scene, variant: Variant, stage: &Stage, t
     let cutoff = craft.cutoff_driver().expect("nobody took it before");
     let heaters = craft.heaters_driver().expect("nobody took it before");
     let lane = |device, by| watch.lane(device, by);
-    let mut camera_gate = Gate::<_, Ports<S>>::new(camera, clock.clone(), lane("camera", "monitor"));
-    let mut cutoff_gate = Gate::<_, Ports<S>>::new(cutoff, clock.clone(), lane("cutoff valve", "rescuer"));
-    let mut heaters_gate = Gate::<_, Ports<S>>::new(heaters, clock.clone(), lane("heaters", "heater control"));
+    let mut camera_gate =
+        Gate::<_, Ports<S>>::new(camera, clock.clone(), lane("camera", "monitor"));
+    let mut cutoff_gate =
+        Gate::<_, Ports<S>>::new(cutoff, clock.clone(), lane("cutoff valve", "rescuer"));
+    let mut heaters_gate =
+        Gate::<_, Ports<S>>::new(heaters, clock.clone(), lane("heaters", "heater control"));
 
     let mut agents = Agents::new(clock.clone(), lane("broker", "broker"), &bells);
     let margin = scene.parameters.supply().saturating_sub(scene.parameters.base_load);
@@ -151,11 +159,7 @@ pub(crate) fn fly<S: Strategy>(scene: &Scene, variant: Variant, stage: &Stage, t
         requested: &requested,
     };
     stage.perform(scene.seed, world.threads(tape));
-    let mut flight = world.result(tape);
-    // Lanes close their books when their gates go.
-    drop((agents, camera_gate, cutoff_gate, heaters_gate));
-    flight.holds = watch.holds();
-    flight
+    world.result(tape)
 }
 
 impl<'w, 'g, S: Strategy> World<'w, 'g, S> {
@@ -166,15 +170,23 @@ impl<'w, 'g, S: Strategy> World<'w, 'g, S> {
             ("sensors", Priority::new(253), Box::new(|| self.sensors())),
             ("rescuer", Priority::EMERGENCY, rescuer("rescuer", 0)),
             ("backup", Priority::EMERGENCY, rescuer("backup", 1)),
-            ("director", Priority::LEAST, Box::new(|| {
-                bodies::director(self.stage, self.scene, self.craft, tape);
-            })),
+            (
+                "director",
+                Priority::LEAST,
+                Box::new(|| {
+                    bodies::director(self.stage, self.scene, self.craft, tape);
+                }),
+            ),
         ];
         if self.scene.monitor.is_some() {
             threads.push(("monitor", Priority::SCIENCE, Box::new(|| self.monitor())));
         }
         if self.scene.driver_hangs {
-            threads.push(("heater control", Priority::ENGINEERING, Box::new(|| self.heater_control())));
+            threads.push((
+                "heater control",
+                Priority::ENGINEERING,
+                Box::new(|| self.heater_control()),
+            ));
         }
         threads
     }
@@ -199,7 +211,9 @@ impl<'w, 'g, S: Strategy> World<'w, 'g, S> {
         let mut latest = [Instant::START; 3];
         while self.stage.goes_on() {
             for ((device, gate), latest) in gates.iter().zip(&mut latest) {
-                if let Some(estimate) = self.estimate(*device).filter(|seen| seen.measured_at > *latest) {
+                if let Some(estimate) =
+                    self.estimate(*device).filter(|seen| seen.measured_at > *latest)
+                {
                     *latest = estimate.measured_at;
                     self.agents.observe(*gate, estimate);
                 }
@@ -213,7 +227,9 @@ impl<'w, 'g, S: Strategy> World<'w, 'g, S> {
         let seen = self.craft.estimate(device);
         match self.variant {
             // The time of arrival instead of the time of the measurement.
-            Variant::Without(Ablation::FreshEstimates) => seen.map(|seen| Estimate { measured_at: now, ..seen }),
+            Variant::Without(Ablation::FreshEstimates) => {
+                seen.map(|seen| Estimate { measured_at: now, ..seen })
+            }
             // What was commanded is what is.
             Variant::Without(Ablation::Confirmation) if device == DeviceId::Camera => {
                 Some(Estimate { state: self.as_commanded(), measured_at: now })
@@ -224,7 +240,8 @@ impl<'w, 'g, S: Strategy> World<'w, 'g, S> {
 
     fn as_commanded(&self) -> Power {
         let trace = self.craft.trace();
-        let done = |entry: &&faregate_devices_sim::ReceivedCommand| entry.outcome != Outcome::InProgress;
+        let done =
+            |entry: &&faregate_devices_sim::ReceivedCommand| entry.outcome != Outcome::InProgress;
         let power = trace.iter().rev().filter(done).find_map(|entry| match entry.command {
             faregate_devices_sim::Command::Camera(CameraCommand::On) => Some(Power::On),
             faregate_devices_sim::Command::Camera(CameraCommand::Off) => Some(Power::Off),
@@ -235,8 +252,11 @@ impl<'w, 'g, S: Strategy> World<'w, 'g, S> {
 
     fn monitor(&self) {
         let Some(monitor) = self.scene.monitor else { return };
-        let ticket = self.agents.request(Priority::SCIENCE, &self.camera).expect("it fits the supply");
-        self.stage.tell("monitor", || format!("requests the camera ({}, {})", ticket.id(), Priority::SCIENCE));
+        let ticket =
+            self.agents.request(Priority::SCIENCE, &self.camera).expect("it fits the supply");
+        self.stage.tell("monitor", || {
+            format!("requests the camera ({}, {})", ticket.id(), Priority::SCIENCE)
+        });
         let bare = self.craft.bare_camera();
         bodies::camera_monitor(self.stage, self.craft, monitor, |command| {
             if self.variant == Variant::Without(Ablation::Quiescence) {
@@ -251,7 +271,8 @@ impl<'w, 'g, S: Strategy> World<'w, 'g, S> {
     }
 
     fn heater_control(&self) {
-        let ticket = self.agents.request(Priority::ENGINEERING, &self.heaters).expect("it fits the supply");
+        let ticket =
+            self.agents.request(Priority::ENGINEERING, &self.heaters).expect("it fits the supply");
         while self.stage.goes_on() {
             self.invoke(&ticket, HeatersCommand::On);
             self.stage.wait(MS.saturating_mul(50));
@@ -297,8 +318,7 @@ impl<'w, 'g, S: Strategy> World<'w, 'g, S> {
         let cutoff = self.agents.request(Priority::EMERGENCY, &self.want(&self.cutoff));
         let cutoff = cutoff.expect("it fits the supply");
         self.stage.tell(who, || {
-            let waits = self.agents.waiting_for(cutoff.id()).map_or("valid at once".into(), |why| why.to_string());
-            format!("requests the cutoff valve ({}, {}): {waits}", cutoff.id(), Priority::EMERGENCY)
+            format!("requests the cutoff valve ({}, {})", cutoff.id(), Priority::EMERGENCY)
         });
         self.wait_for(bell, || cutoff.check().is_ok());
         if self.dies(who) {
@@ -306,7 +326,9 @@ impl<'w, 'g, S: Strategy> World<'w, 'g, S> {
             return;
         }
         self.stage.tell(who, || "has a valid ticket; commands the valve shut".into());
-        bodies::shut_for_sure(self.stage, self.scene, self.craft, || self.invoke(&cutoff, CutoffCommand::Shut));
+        bodies::shut_for_sure(self.stage, self.scene, self.craft, || {
+            self.invoke(&cutoff, CutoffCommand::Shut)
+        });
         self.stage.tell(who, || "sees the valve shut; relinquishes its ticket".into());
     }
 
@@ -314,7 +336,8 @@ impl<'w, 'g, S: Strategy> World<'w, 'g, S> {
     /// turns the camera off itself.
     fn rescue_with_both(&self, who: &'static str, bell: usize) {
         let both = (self.want(&self.camera), self.want(&self.cutoff));
-        let (camera, cutoff) = self.agents.request(Priority::EMERGENCY, &both).expect("there is room");
+        let (camera, cutoff) =
+            self.agents.request(Priority::EMERGENCY, &both).expect("there is room");
         self.wait_for(bell, || camera.check().is_ok() && cutoff.check().is_ok());
         if self.dies(who) {
             let _never_dropped = ManuallyDrop::new((camera, cutoff));
@@ -330,7 +353,8 @@ impl<'w, 'g, S: Strategy> World<'w, 'g, S> {
         });
         let at_rest = self.stage.clock.now();
         self.invoke(&cutoff, CutoffCommand::CoilOff);
-        while self.stage.goes_on() && !bodies::is_freshly_off(self.craft, DeviceId::Cutoff, at_rest) {
+        while self.stage.goes_on() && !bodies::is_freshly_off(self.craft, DeviceId::Cutoff, at_rest)
+        {
             let _ = (camera.renew(), cutoff.renew());
             self.stage.wait(MS);
         }
@@ -374,6 +398,7 @@ impl<'w, 'g, S: Strategy> World<'w, 'g, S> {
             valid_refused: self.valid_refused.load(Ordering::SeqCst),
             cutoff_after: shut.zip(by_whom).map(|(shut, (_, at))| shut.begun.since(*at)),
             bound,
+            holds: self.watch.holds(self.stage.clock.now()),
             ..Flight::of(self.scene, self.craft, tape)
         }
     }

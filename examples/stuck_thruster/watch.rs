@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex};
 
 use faregate::tickets::clock::Instant;
 use faregate::tickets::fault::GateFault;
+use faregate::tickets::id::GateId;
 use faregate::tickets::recorder::{Lane, Record, RecordedEvent};
 use faregate_devices_sim::{Command, Outcome, ReceivedCommand, Spacecraft};
 
@@ -21,7 +22,14 @@ pub(crate) struct Watch {
     /// Devices that proved stuck or whose drivers hung: each costs a round.
     rounds: AtomicU32,
     door: Mutex<Door>,
-    holds: Mutex<Vec<Hold>>,
+    holds: Mutex<Holds>,
+}
+
+/// Who held what, and who still does since when.
+#[derive(Default)]
+struct Holds {
+    over: Vec<Hold>,
+    open: Vec<Hold>,
 }
 
 /// What the monitor may not do to the camera now.
@@ -47,7 +55,7 @@ impl Watch {
     }
 
     pub(crate) fn lane(self: &Arc<Self>, device: &'static str, by: &'static str) -> WatchLane {
-        WatchLane { watch: Arc::clone(self), device, by, since: None }
+        WatchLane { watch: Arc::clone(self), device, by }
     }
 
     pub(crate) fn revocations(&self) -> usize {
@@ -82,8 +90,12 @@ impl Watch {
         self.door.lock().expect("no watcher panics").passed
     }
 
-    pub(crate) fn holds(&self) -> Vec<Hold> {
-        self.holds.lock().expect("no watcher panics").clone()
+    /// Who held what; whoever holds it at the end of the run held it so long.
+    pub(crate) fn holds(&self, end: Instant) -> Vec<Hold> {
+        let Holds { mut over, open } =
+            std::mem::take(&mut *self.holds.lock().expect("no watcher panics"));
+        over.extend(open.into_iter().map(|hold| Hold { until: end, ..hold }));
+        over
     }
 }
 
@@ -100,7 +112,6 @@ pub(crate) struct WatchLane {
     watch: Arc<Watch>,
     device: &'static str,
     by: &'static str,
-    since: Option<Instant>,
 }
 
 impl Lane for WatchLane {
@@ -120,6 +131,11 @@ impl Lane for WatchLane {
     }
 }
 
+/// A gate's device, in the order of registration.
+fn name(gate: GateId) -> &'static str {
+    ["camera", "cutoff valve", "heaters"].get(usize::from(gate.0)).copied().unwrap_or("device")
+}
+
 impl WatchLane {
     /// What a person wants to read of what is recorded.
     fn tell(&self, record: &Record) {
@@ -128,40 +144,39 @@ impl WatchLane {
             RecordedEvent::Granted => format!("ticket {ticket} becomes valid"),
             RecordedEvent::Revoked(why) => format!("ticket {ticket} is revoked: {why}"),
             RecordedEvent::Ended => format!("ticket {ticket} has ended"),
-            RecordedEvent::SeenOff { gate } => format!("{gate} is freshly seen off: its charge is credited"),
-            RecordedEvent::Stuck { gate } => format!("{gate} cannot be made safe: its charge stays"),
+            RecordedEvent::SeenOff { gate } => {
+                format!("sees the {} off: its charge is credited", name(gate))
+            }
+            RecordedEvent::Stuck { gate } => {
+                format!("the {} cannot be made safe: its charge stays", name(gate))
+            }
             RecordedEvent::Safed { attempt } => {
                 format!("issues the safing command of the {} (attempt {attempt})", self.device)
             }
-            RecordedEvent::Closed(fault) => format!("the gate of the {} is faulted: {fault}", self.device),
+            RecordedEvent::Closed(fault) => {
+                format!("the gate of the {} is faulted: {fault}", self.device)
+            }
             _ => return,
         };
         self.watch.story.tell(at, "agent", || what);
     }
 
-    fn vacated(&mut self, at: Instant) {
+    fn vacated(&self, at: Instant) {
         if self.device == "camera" {
             self.watch.close_door();
         }
-        if let Some(from) = self.since.take() {
-            let hold = Hold { device: self.device, by: self.by, from, until: at };
-            self.watch.holds.lock().expect("no watcher panics").push(hold);
+        let mut holds = self.watch.holds.lock().expect("no watcher panics");
+        if let Some(open) = holds.open.iter().position(|hold| hold.device == self.device) {
+            let hold = holds.open.remove(open);
+            holds.over.push(Hold { until: at, ..hold });
         }
     }
 
-    fn admitted(&mut self, at: Instant) {
+    fn admitted(&self, at: Instant) {
         if self.device == "camera" {
             self.watch.open_door();
         }
-        self.since = Some(at);
-    }
-}
-
-impl Drop for WatchLane {
-    /// Whoever holds it when the run ends held it to the end.
-    fn drop(&mut self) {
-        if let Some(from) = self.since {
-            self.vacated(faregate::tickets::clock::Clock::now(self.watch.craft.clock()).max(from));
-        }
+        let hold = Hold { device: self.device, by: self.by, from: at, until: at };
+        self.watch.holds.lock().expect("no watcher panics").open.push(hold);
     }
 }

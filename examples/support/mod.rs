@@ -10,8 +10,11 @@ use std::thread::JoinHandle;
 use faregate::prelude::*;
 use faregate_devices_sim::{DeviceId, Parameters, SimClock, Spacecraft};
 
+/// Why an example did not come to its end.
+pub(crate) type Failure = Box<dyn Error + Send + Sync>;
+
 /// What an example comes to.
-pub(crate) type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
+pub(crate) type Outcome<T> = Result<T, Failure>;
 
 /// Tells the shell how it went: 1 and the reason, where a claim did not hold.
 pub(crate) fn exit(outcome: Outcome<()>) -> ExitCode {

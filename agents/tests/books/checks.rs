@@ -3,7 +3,9 @@
 use std::sync::atomic::Ordering::Relaxed;
 
 use faregate_agents::{DeviceState, Event};
+use faregate_tickets::amount::Microjoules;
 use faregate_tickets::clock::Duration;
+use faregate_tickets::id::GateId;
 
 use super::lamp::Switch;
 use super::world::{ENERGY, SEATS, World};
@@ -182,20 +184,24 @@ impl World<'_> {
         self.settle();
         for (agent, charge) in self.charges().iter().enumerate() {
             // An orphan may stay on until somebody needs what it draws.
-            let kept: u64 = self
-                .gate_ids()
-                .filter(|gate| usize::from(self.declared(usize::from(gate.0)).agent) == agent)
-                .filter(|gate| self.ground.truths[usize::from(gate.0)].draws(self.now()))
-                .map(|gate| self.declared(usize::from(gate.0)).draw)
-                .sum();
+            let draws = |gate: &GateId| self.ground.truths[usize::from(gate.0)].draws(self.now());
+            let of_agent =
+                |gate: &GateId| usize::from(self.declared(usize::from(gate.0)).agent) == agent;
+            let kept: Vec<_> = self.gate_ids().filter(of_agent).filter(draws).collect();
+            let draw = kept.iter().map(|gate| self.declared(usize::from(gate.0)).draw).sum();
             let counts = self.rules(agent).supply.is_some();
-            assert_eq!(*charge, if counts { kept } else { 0 }, "Margin Kept: back to the unit");
-            let expected = if self.rules(agent).energy { ENERGY } else { Default::default() };
-            let left = self.books.budgets(u8::try_from(agent).unwrap()).unwrap().0;
-            let back = left == expected || (self.budget_used && left < expected);
-            let orphan = kept > 0 || !counts;
-            assert!(back || orphan, "unused budget is back to the unit: {left} of {expected}");
+            assert_eq!(*charge, if counts { draw } else { 0 }, "Margin Kept: back to the unit");
+            if kept.is_empty() {
+                self.check_budget(agent);
+            }
         }
         assert_eq!(self.books.free_seats(), SEATS);
+    }
+
+    fn check_budget(&self, agent: usize) {
+        let total = if self.rules(agent).energy { ENERGY } else { Microjoules::ZERO };
+        let left = self.books.budgets(u8::try_from(agent).unwrap()).unwrap().0;
+        let back = left == total || (self.budget_used && left < total);
+        assert!(back, "an unused budget is back to the unit: {left} of {total}");
     }
 }

@@ -28,7 +28,7 @@ pub type Ticket<'w> = faregate_tickets::Ticket<'w, Lamp<'w>, Platform<'w>, Nobod
 pub struct Nobody;
 
 impl Issuer for Nobody {
-    fn relinquish(&self, _: TicketId, _: GateId, _: u32) {}
+    fn relinquish(&self, _: &Seat<'_>, _: u32) {}
 }
 
 /// What a world is made of, printed with one part on a line.

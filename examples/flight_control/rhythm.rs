@@ -4,11 +4,11 @@ use faregate::prelude::*;
 use faregate_devices_sim::SimClock;
 
 /// The cycles of one periodic thread. They begin at absolute times: a late one
-/// does not put off the next. One that would begin when the next is due is
+/// does not put off the next. One that could begin only when the next is due is
 /// left out, and counted as a slip.
 pub(crate) struct Rhythm {
     clock: SimClock,
-    period: Duration,
+    pub(crate) period: Duration,
     next: Instant,
     until: Instant,
     /// How many cycles have begun.
@@ -25,20 +25,19 @@ impl Rhythm {
         Self { clock: clock.clone(), period, next: clock.now(), until, cycles, slips, latest }
     }
 
-    pub(crate) fn period(&self) -> Duration {
-        self.period
-    }
-
     /// Waits until the next cycle begins; false when the flight is over.
     pub(crate) fn next_cycle(&mut self) -> bool {
         self.clock.wait_until(self.next);
         let now = self.clock.now();
+        if now >= self.until {
+            return false;
+        }
         let late = now.since(self.next);
         let slipped = late.as_micros().checked_div(self.period.as_micros()).unwrap_or(0);
         self.next = self.next.after(self.period.saturating_mul(slipped + 1));
         self.cycles += 1;
         self.slips += slipped;
         self.latest = self.latest.max(late);
-        now < self.until
+        true
     }
 }

@@ -1,0 +1,92 @@
+//! What Faregate guarantees, looked at from outside: by what the devices
+//! received, and by what became of the spacecraft.
+
+use faregate::prelude::*;
+use faregate_devices_sim::{
+    CameraCommand, Command, DeviceId, HeatersCommand, Outcome as Took, ReceivedCommand,
+};
+
+use crate::craft::{Craft, STICKS_AT};
+use crate::support::{Outcome, claim};
+use crate::tally::Tally;
+use crate::threads::Rescue;
+
+/// Tells the emergency as it happened.
+pub(crate) fn tell(craft: &Craft, rescue: &Rescue, camera: &Tally) {
+    let trace = craft.spacecraft.trace();
+    let mut story = vec![
+        (STICKS_AT, "the thruster valve sticks open".to_owned()),
+        (rescue.requested, "the fault response requests the cutoff valve".to_owned()),
+        (rescue.valid, format!("its ticket is valid; the bound is {}", bound(craft))),
+        (rescue.seen_shut, "the cutoff valve is seen shut".to_owned()),
+        (rescue.relinquished, "the fault response relinquishes its ticket".to_owned()),
+    ];
+    for received in trace.iter().filter(|received| received.safing) {
+        story.push((received.begun, format!("the {} made safe", plural(received.command.device()))));
+    }
+    if let Some(restored) = first_on(&trace, CameraCommand::On.into(), rescue) {
+        let refused = camera.refused;
+        story.push((restored.begun, format!("the camera is on again, after {refused} refusals")));
+    }
+    if let Some(restored) = first_on(&trace, HeatersCommand::On.into(), rescue) {
+        story.push((restored.begun, "the heaters are on again".to_owned()));
+    }
+    story.sort_by_key(|(at, _)| *at);
+    println!();
+    for (at, what) in story {
+        println!("{at}  {what}");
+    }
+    let truth = craft.spacecraft.truth();
+    println!("\nrate at the end: {} urad/s; {} exposures", truth.rate_urad_s, truth.exposures_finished);
+}
+
+/// Makes sure of each guarantee that this flight can put to the test.
+pub(crate) fn check(craft: &Craft, rescue: &Rescue, tallies: &[Tally; 4]) -> Outcome<()> {
+    let [_, heaters, camera, _] = tallies;
+    let trace = craft.spacecraft.trace();
+    if let Some((at, law)) = craft.spacecraft.broken_law() {
+        return Err(format!("Margin Kept: the spacecraft is lost at {at}: {law}").into());
+    }
+    claim(craft.spacecraft.truth().cutoff_shut, "the cutoff valve is shut")?;
+    let took = rescue.valid.since(rescue.requested);
+    claim(took <= bound(craft), "Bounded Hand-over: the ticket is valid within the bound")?;
+    let meanwhile = |received: &&ReceivedCommand| {
+        let device = received.command.device();
+        let is_victim = matches!(device, DeviceId::Camera | DeviceId::Heaters);
+        let began = rescue.valid <= received.begun && received.begun < rescue.relinquished;
+        is_victim && began && !received.safing
+    };
+    claim(!trace.iter().any(|received| meanwhile(&received)), "Closed Door: no victim is commanded")?;
+    for victim in [camera, heaters] {
+        let named = victim.taken_by == Some(rescue.ticket);
+        claim(named, "Every Refusal Explains Itself: victims are told who took their tickets")?;
+    }
+    for command in [CameraCommand::On.into(), HeatersCommand::On.into()] {
+        let restored = first_on(&trace, command, rescue).is_some();
+        claim(restored, "Restoration: victims go on without asking again")?;
+    }
+    println!("\nAll guarantees held.");
+    Ok(())
+}
+
+/// Computed from the declared times, for one round of victims.
+fn bound(craft: &Craft) -> Duration {
+    let bound = craft.broker.agents().hand_over_bound(craft.cutoff.gate(), 1);
+    bound.unwrap_or(Duration::ZERO)
+}
+
+/// The first command of this kind after the rescue that the device took.
+fn first_on<'a>(
+    trace: &'a [ReceivedCommand],
+    command: Command,
+    rescue: &Rescue,
+) -> Option<&'a ReceivedCommand> {
+    let after = |received: &&ReceivedCommand| received.begun >= rescue.relinquished;
+    let took = |received: &&ReceivedCommand| received.command == command && received.outcome == Took::Took;
+    trace.iter().filter(after).find(took)
+}
+
+fn plural(device: DeviceId) -> String {
+    let verb = if device == DeviceId::Heaters { "are" } else { "is" };
+    format!("{device} {verb}")
+}
