@@ -82,11 +82,8 @@ impl Propulsion {
 
         let mut builder = Broker::builder()?;
         let agent = builder.agent(Policy::power_margin(margin))?;
-        let side = |side| {
-            Ok::<_, Failure>(
-                GateOptions::new().interlocked(interlock.member(side, 0)?),
-            )
-        };
+        let side =
+            |side| Ok::<_, Failure>(GateOptions::new().interlocked(interlock.member(side, 0)?));
         let driver = spacecraft.thruster_driver().ok_or("the driver is taken")?;
         let valve = builder.gate_with(agent, "valve", driver, side(Side::A)?)?;
         let driver = spacecraft.heaters_driver().ok_or("the driver is taken")?;

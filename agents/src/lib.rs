@@ -1,5 +1,7 @@
 //! Ticket agents: who may command what, decided by policy.
 #![no_std]
+// No panic path: what cannot be is a typed error or a masked index.
+#![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 #![forbid(unsafe_code)]
 
 mod books;

@@ -139,7 +139,7 @@ fn a_victim_that_dies_at_any_step_of_its_hand_over_is_safed_all_the_same() {
 
 #[test]
 fn a_holder_that_dies_inside_a_command_is_noticed_at_the_end_of_its_lease() {
-    let (bench, _) = Bench::new(margin(10), &[8, 8]);
+    let (bench, supervisor) = Bench::new(margin(10), &[8, 8]);
     let ticket = bench.ticket(5, 0);
     ticket.invoke(Switch::On).unwrap();
     let truth = bench.truths[0];
@@ -158,6 +158,10 @@ fn a_holder_that_dies_inside_a_command_is_noticed_at_the_end_of_its_lease() {
     bench.clock.advance(Duration::from_millis(5));
     bench.pass(TICK);
     assert!(!bench.is_on(0));
+    // In line still, for a gate that is faulted: its turn comes once more.
+    bench.broker.reset_gate(&supervisor, bench.lamps[0].gate()).unwrap();
+    bench.pass(TICK);
+    bench.clock.advance(Duration::from_secs(1));
     nothing_is_leaked(&bench);
 }
 

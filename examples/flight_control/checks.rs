@@ -2,9 +2,7 @@
 //! received, and by what became of the spacecraft.
 
 use faregate::prelude::*;
-use faregate_devices_sim::{
-    CameraCommand, Command, DeviceId, HeatersCommand, Outcome as Took, ReceivedCommand,
-};
+use faregate_devices_sim::{CameraCommand, Command, DeviceId, HeatersCommand, ReceivedCommand};
 
 use crate::craft::{Craft, STICKS_AT};
 use crate::support::{Outcome, claim};
@@ -14,15 +12,16 @@ use crate::threads::Rescue;
 /// Tells the emergency as it happened.
 pub(crate) fn tell(craft: &Craft, rescue: &Rescue, camera: &Tally) {
     let trace = craft.spacecraft.trace();
+    let took = rescue.valid.since(rescue.requested);
     let mut story = vec![
         (STICKS_AT, "the thruster valve sticks open".to_owned()),
         (rescue.requested, "the fault response requests the cutoff valve".to_owned()),
-        (rescue.valid, format!("its ticket is valid; the bound is {}", bound(craft))),
+        (rescue.valid, format!("its ticket is valid, after {took} of at most {}", bound(craft))),
         (rescue.seen_shut, "the cutoff valve is seen shut".to_owned()),
         (rescue.relinquished, "the fault response relinquishes its ticket".to_owned()),
     ];
     for received in trace.iter().filter(|received| received.safing) {
-        story.push((received.begun, format!("the {} made safe", plural(received.command.device()))));
+        story.push((received.begun, made_safe(received.command.device())));
     }
     if let Some(restored) = first_on(&trace, CameraCommand::On.into(), rescue) {
         let refused = camera.refused;
@@ -37,7 +36,10 @@ pub(crate) fn tell(craft: &Craft, rescue: &Rescue, camera: &Tally) {
         println!("{at}  {what}");
     }
     let truth = craft.spacecraft.truth();
-    println!("\nrate at the end: {} urad/s; {} exposures", truth.rate_urad_s, truth.exposures_finished);
+    println!(
+        "\nrate at the end: {} urad/s; {} exposures",
+        truth.rate_urad_s, truth.exposures_finished
+    );
 }
 
 /// Makes sure of each guarantee that this flight can put to the test.
@@ -56,10 +58,14 @@ pub(crate) fn check(craft: &Craft, rescue: &Rescue, tallies: &[Tally; 4]) -> Out
         let began = rescue.valid <= received.begun && received.begun < rescue.relinquished;
         is_victim && began && !received.safing
     };
-    claim(!trace.iter().any(|received| meanwhile(&received)), "Closed Door: no victim is commanded")?;
+    claim(
+        !trace.iter().any(|received| meanwhile(&received)),
+        "Closed Door: no victim is commanded",
+    )?;
+    claim(camera.taken_by.is_some(), "the camera monitor is refused meanwhile")?;
     for victim in [camera, heaters] {
-        let named = victim.taken_by == Some(rescue.ticket);
-        claim(named, "Every Refusal Explains Itself: victims are told who took their tickets")?;
+        let true_name = victim.taken_by.is_none_or(|by| by == rescue.ticket);
+        claim(true_name, "Every Refusal Explains Itself: it names who took the ticket")?;
     }
     for command in [CameraCommand::On.into(), HeatersCommand::On.into()] {
         let restored = first_on(&trace, command, rescue).is_some();
@@ -82,11 +88,13 @@ fn first_on<'a>(
     rescue: &Rescue,
 ) -> Option<&'a ReceivedCommand> {
     let after = |received: &&ReceivedCommand| received.begun >= rescue.relinquished;
-    let took = |received: &&ReceivedCommand| received.command == command && received.outcome == Took::Took;
+    let took = |received: &&ReceivedCommand| {
+        received.command == command && received.outcome == faregate_devices_sim::Outcome::Took
+    };
     trace.iter().filter(after).find(took)
 }
 
-fn plural(device: DeviceId) -> String {
+fn made_safe(device: DeviceId) -> String {
     let verb = if device == DeviceId::Heaters { "are" } else { "is" };
-    format!("{device} {verb}")
+    format!("the {device} {verb} made safe")
 }

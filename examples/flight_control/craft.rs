@@ -52,7 +52,8 @@ impl Craft {
         let driver = spacecraft.heaters_driver().ok_or(taken)?;
         let heaters = builder.gate_with(power, "heaters", driver, side_b)?;
         let camera = builder.gate(power, "camera", spacecraft.camera_driver().ok_or(taken)?)?;
-        let cutoff = builder.gate(power, "cutoff valve", spacecraft.cutoff_driver().ok_or(taken)?)?;
+        let cutoff =
+            builder.gate(power, "cutoff valve", spacecraft.cutoff_driver().ok_or(taken)?)?;
         let wheel = builder.gate(attitude, "wheel", Wheel { torque_unm: 0 })?;
         let broker = builder.real_time(SERVICE_FIFO).start()?;
 

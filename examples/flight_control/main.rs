@@ -25,7 +25,7 @@ mod support;
 mod tally;
 mod threads;
 
-use std::io;
+use std::io::{self, IsTerminal};
 use std::process::ExitCode;
 use std::thread::{self, Scope, ScopedJoinHandle};
 
@@ -51,7 +51,9 @@ struct Options {
 
 fn main() -> ExitCode {
     if Options::parse().log {
-        tracing_subscriber::fmt().with_max_level(LevelFilter::INFO).without_time().init();
+        // Records have their own times: when it happened, not when it was told.
+        let shown = tracing_subscriber::fmt().with_max_level(LevelFilter::INFO).without_time();
+        shown.with_ansi(io::stderr().is_terminal()).with_writer(io::stderr).init();
     }
     support::exit(fly())
 }
@@ -67,7 +69,10 @@ fn fly() -> Outcome<()> {
         let camera = spawn(scope, "camera", move || threads::camera_monitor(craft, until))?;
         let fault = spawn(scope, "fault", move || threads::fault_response(craft, until))?;
         let (fault, rescue) = ended(fault)?;
-        Ok::<_, support::Failure>(([ended(attitude)?, ended(heaters)?, ended(camera)?, fault], rescue))
+        Ok::<_, support::Failure>((
+            [ended(attitude)?, ended(heaters)?, ended(camera)?, fault],
+            rescue,
+        ))
     })?;
 
     println!("{}", tally::table(&tallies.each_ref()));

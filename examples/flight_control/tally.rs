@@ -87,7 +87,7 @@ fn ask_for(_: u8) -> Result<(), String> {
 /// All tallies, side by side.
 pub(crate) fn table(tallies: &[&Tally]) -> Table {
     let mut table = Table::new();
-    table.load_preset(presets::UTF8_HORIZONTAL_ONLY);
+    table.load_style(presets::UTF8_HORIZONTAL_ONLY);
     let header = ["thread", "period", "FIFO", "cycles", "slips", "latest by", "issued", "refused"];
     table.set_header(header);
     for tally in tallies {

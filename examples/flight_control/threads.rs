@@ -100,9 +100,7 @@ pub(crate) fn fault_response(craft: &Craft, until: Instant) -> Outcome<(Tally, O
 /// through the sensors could explain, since the valve was seen shut.
 fn pushes_though_shut(spacecraft: &Spacecraft, rate_then: &mut Option<u64>) -> bool {
     const SUSPICIOUS_URAD_S: u64 = 4_000;
-    let shut = spacecraft
-        .estimate(DeviceId::Thruster)
-        .is_some_and(|seen| seen.state == Power::Off);
+    let shut = spacecraft.estimate(DeviceId::Thruster).is_some_and(|seen| seen.state == Power::Off);
     let Some(rate) = spacecraft.measured_rate_urad_s().filter(|_| shut) else {
         *rate_then = None;
         return false;

@@ -160,7 +160,7 @@ impl Builder {
         let agents: &'static Agents = Box::leak(self.agents);
         let waiters = self.waiters;
         let stop = Arc::new(AtomicBool::new(false));
-        let draining = self.recorder.start(self.drain_every.into())?;
+        let draining = self.recorder.start(self.drain_every)?;
         let (tell, told) = std::sync::mpsc::sync_channel(1);
         let (priority, stopping) = (self.priority, Arc::clone(&stop));
         let thread = std::thread::Builder::new().name("faregate-service".into());

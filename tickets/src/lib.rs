@@ -1,5 +1,7 @@
 //! Gates, tickets and validity functions.
 #![no_std]
+// No panic path: what cannot be is a typed error or a masked index.
+#![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
 
 pub mod amount;
 pub mod clock;

@@ -13,6 +13,7 @@ use super::grant::State;
 use super::{Actions, Books, Noted, gates_of};
 
 /// A step that is due at a gate.
+#[expect(clippy::large_enum_variant, reason = "there is no heap to put the large one on")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Work {
     /// Put the tenant out, and wait until nothing is in progress.
@@ -230,6 +231,10 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     }
 
     pub(super) fn observe(&mut self, gate: GateId, estimate: Estimate, actions: &mut Actions) {
+        if estimate.measured_at > self.now {
+            // From a clock that is ahead: it would count as fresh for ever.
+            return;
+        }
         let Some(device) = self.device_mut(gate) else { return };
         if device.seen.is_some_and(|seen| seen.measured_at >= estimate.measured_at) {
             return;

@@ -15,6 +15,7 @@ use crate::limits::MAX_GATES;
 use super::{Broker, Ledger};
 
 /// What a look at the books found.
+#[expect(clippy::large_enum_variant, reason = "there is no heap to put the large one on")]
 enum Found {
     Work(Work),
     /// A limit of this gate's tenant may have run out.

@@ -60,7 +60,8 @@ impl Truth {
         self.showed.store(self.shows(now) == Power::On, Relaxed);
         self.on.store(on, Relaxed);
         self.changed_at.store(now.as_micros(), Relaxed);
-        self.unbidden.store(false, Relaxed);
+        // What nobody turned on still draws while it settles.
+        self.unbidden.fetch_and(!on, Relaxed);
     }
 
     fn has_settled(&self, now: Instant) -> bool {

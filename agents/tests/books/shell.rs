@@ -79,6 +79,11 @@ impl World<'_> {
 
     /// Who ceases to rest is behind those who came meanwhile.
     fn follow_rests(&mut self) {
+        let noticed = self.is_noticed();
+        let tenants: Vec<_> = self
+            .gate_ids()
+            .filter_map(|gate| self.books.device_report(gate).unwrap().tenant)
+            .collect();
         for grant in self.grants.values_mut() {
             let waiting = self.books.waiting_for(grant.id);
             let rests = waiting == Some(faregate_agents::Waiting::Resting);
@@ -87,7 +92,8 @@ impl World<'_> {
                 grant.arrival = self.arrivals;
             }
             grant.resting = rests;
-            grant.exempt &= self.books.is_valid(grant.id);
+            // Until the epoch is noticed, who is pre-empted may come back.
+            grant.exempt &= tenants.contains(&grant.id) || !noticed;
         }
     }
 

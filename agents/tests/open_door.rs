@@ -1,0 +1,78 @@
+//! **Open Door**: no refused holder, however many and however insistent, makes
+//! a valid command fail. And **Closed Door**: none of theirs gets through.
+
+mod bench;
+
+use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
+
+use bench::{Bench, Switch, margin};
+use faregate_tickets::id::Priority;
+use faregate_tickets::refusal::Refusal;
+use faregate_tickets::standing::Why;
+
+const COMMANDS: usize = 20_000;
+
+#[test]
+fn refused_holders_that_hammer_cost_the_valid_one_no_command() {
+    let (bench, _) = Bench::new(margin(10), &[8]);
+    let refused: Vec<_> = (0..3).map(|_| bench.ticket(1, 0)).collect();
+    let valid = bench.ticket(9, 0);
+    let over = AtomicBool::new(false);
+    let (issued, got_through) = std::thread::scope(|threads| {
+        let hammers: Vec<_> = refused
+            .into_iter()
+            .map(|ticket| {
+                let over = &over;
+                threads.spawn(move || {
+                    let mut through = 0_usize;
+                    while !over.load(SeqCst) {
+                        through += usize::from(ticket.invoke(Switch::Blink).is_ok());
+                        through += usize::from(ticket.try_invoke(Switch::Blink).is_ok());
+                    }
+                    (ticket, through)
+                })
+            })
+            .collect();
+        let issued = (0..COMMANDS).filter(|_| valid.invoke(Switch::Blink).is_ok()).count();
+        over.store(true, SeqCst);
+        let through = hammers.into_iter().map(|hammer| hammer.join().unwrap().1).sum::<usize>();
+        (issued, through)
+    });
+    assert_eq!((issued, got_through), (COMMANDS, 0));
+    assert_eq!(bench.commands(0), COMMANDS);
+}
+
+#[test]
+fn no_command_reaches_the_device_after_quiescence() {
+    let (bench, supervisor) = Bench::new(margin(10), &[8]);
+    for _ in 0..200 {
+        let ticket = bench.ticket(1, 0);
+        let id = ticket.id();
+        let over = AtomicBool::new(false);
+        std::thread::scope(|threads| {
+            let over = &over;
+            let holder = threads.spawn(move || {
+                while !over.load(SeqCst) {
+                    let _ = ticket.invoke(Switch::Blink);
+                }
+                ticket
+            });
+            let before = bench.commands(0);
+            while bench.commands(0) == before {
+                std::thread::yield_now();
+            }
+            bench.broker.bar(&supervisor, id).unwrap().quiesce().unwrap();
+            let at_rest = bench.commands(0);
+            for _ in 0..10 {
+                std::thread::yield_now();
+            }
+            assert_eq!(bench.commands(0), at_rest);
+            over.store(true, SeqCst);
+            let ticket = holder.join().unwrap();
+            assert_eq!(ticket.check(), Err(Refusal::NotValid(Why::Barred)));
+        });
+    }
+    let last = bench.broker.request(Priority::SCIENCE, &bench.lamps[0]).unwrap();
+    bench.broker.service();
+    assert_eq!(last.check(), Ok(()));
+}
