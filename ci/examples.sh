@@ -2,8 +2,8 @@
 # Runs every example to its end. Usage: ci/examples.sh
 set -euo pipefail
 cd "$(dirname "$0")/.."
-for file in examples/*.rs; do
-    example=$(basename "$file" .rs)
+for file in examples/*.rs examples/*/main.rs; do
+    example=$(basename "${file%/main.rs}" .rs)
     echo "== $example"
     cargo run --locked --quiet --release --example "$example" >"target/example-$example.log" 2>&1 || {
         cat "target/example-$example.log"

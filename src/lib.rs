@@ -97,3 +97,8 @@ pub mod prelude {
     pub use faregate_tickets::standing::Why;
     pub use faregate_tickets::validity::{Function, Validity};
 }
+
+/// The README's example is compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

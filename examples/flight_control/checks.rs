@@ -49,6 +49,12 @@ pub(crate) fn check(craft: &Craft, rescue: &Rescue, tallies: &[Tally; 4]) -> Out
     if let Some((at, law)) = craft.spacecraft.broken_law() {
         return Err(format!("Margin Kept: the spacecraft is lost at {at}: {law}").into());
     }
+    for gate in [craft.valve.gate(), craft.heaters.gate(), craft.camera.gate()] {
+        let report = craft.broker.agents().device(gate);
+        if let Some(fault) = report.and_then(|report| report.fault) {
+            return Err(format!("{gate} is faulted, {fault}: is the host too busy?").into());
+        }
+    }
     claim(craft.spacecraft.truth().cutoff_shut, "the cutoff valve is shut")?;
     let took = rescue.valid.since(rescue.requested);
     claim(took <= bound(craft), "Bounded Hand-over: the ticket is valid within the bound")?;

@@ -29,9 +29,9 @@ use crate::waiters::{TooManyWait, Waiters};
 /// The most gates of a [`Broker`].
 pub const GATES: usize = 32;
 /// The most tickets of a [`Broker`].
-pub const TICKETS: usize = 1024;
+pub const TICKETS: usize = 256;
 /// The most all-or-nothing requests of a [`Broker`].
-pub const SETS: usize = 32;
+pub const SETS: usize = 16;
 /// The most threads that wait for a ticket at the same time.
 pub const WAITERS: usize = 64;
 /// How many records a lane of the flight recorder holds between two drains.

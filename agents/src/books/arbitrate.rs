@@ -358,8 +358,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
             };
             self.neighbours(gates, device.agent).all(|(_, other)| {
                 // A command that never comes back has had its deadline.
-                let excluded =
-                    policy.exclusive && !other.is_quiescent() && !other.is_immovable();
+                let excluded = policy.exclusive && !other.is_quiescent() && !other.is_hung();
                 let charged = other.phase != Phase::Off;
                 let conflicts =
                     policy.categories && charged && device.categories.overlaps(other.categories);

@@ -151,7 +151,12 @@ impl DeviceBook {
 
     /// Whether its charge cannot be freed by anybody.
     pub(crate) fn is_immovable(&self) -> bool {
-        self.stuck || matches!(self.phase, Phase::Leaving { hung: true, .. })
+        self.stuck || self.is_hung()
+    }
+
+    /// Whether a command that was to end with its ticket has not come back.
+    pub(crate) fn is_hung(&self) -> bool {
+        matches!(self.phase, Phase::Leaving { hung: true, .. })
     }
 
     /// Whether sensors are expected to see it off.

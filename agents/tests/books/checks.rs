@@ -8,7 +8,7 @@ use faregate_tickets::clock::Duration;
 use faregate_tickets::id::GateId;
 
 use super::lamp::Switch;
-use super::world::{ENERGY, SEATS, World};
+use super::world::{ENERGY, Granted, SEATS, World};
 
 /// The sensors' period: shorter than any device's estimate lag.
 const ROUND: Duration = Duration::from_millis(4);
@@ -90,10 +90,25 @@ impl World<'_> {
             .filter(|grant| grant.tickets.iter().any(|(_, ticket)| ticket.check().is_ok()))
             .collect();
         for (n, one) in valid.iter().enumerate() {
+            self.check_vacated(one);
             for other in &valid[n + 1..] {
                 for (a, b) in one.gates().flat_map(|a| other.gates().map(move |b| (a, b))) {
                     self.check_pair(a, b);
                 }
+            }
+        }
+    }
+
+    /// **Empty Room.** At an exclusive agent nobody is valid while a command of
+    /// another may be in progress, unless that one's time is over.
+    fn check_vacated(&self, grant: &Granted<'_>) {
+        let agent = |gate: usize| self.declared(gate).agent;
+        for gate in self.gate_ids().map(|gate| usize::from(gate.0)) {
+            let near = grant.gates().any(|mine| agent(mine) == agent(gate));
+            if near && self.rules(usize::from(agent(gate))).exclusive {
+                let id = GateId(u8::try_from(gate).unwrap());
+                let state = self.books.device_report(id).unwrap().state;
+                assert_ne!(state, DeviceState::Leaving, "Empty Room: {id}, {}", grant.id);
             }
         }
     }

@@ -1,6 +1,9 @@
 //! Who ought to have what: by trying each ticket beside all more important
 //! ones, knowing nothing of rosters, phases and victims.
 
+use faregate_agents::DeviceState;
+use faregate_tickets::id::GateId;
+
 use super::world::{Granted, World};
 
 impl World<'_> {
@@ -37,12 +40,12 @@ impl World<'_> {
         for &gate in &mine {
             let rules = self.rules(agent(gate));
             let near = |other: &&usize| agent(**other) == agent(gate) && !mine.contains(other);
+            let all: Vec<usize> = (0..self.stuck.len()).collect();
             if rules.exclusive && taken.iter().any(|other| near(&other)) {
                 return false;
             }
-            let all: Vec<usize> = (0..self.stuck.len()).collect();
             let conflict = all.iter().filter(near).any(|other| {
-                let used = taken.contains(other) || self.stuck[*other];
+                let used = taken.contains(other) || self.is_immovable(*other);
                 used && self.declared(*other).categories & self.declared(gate).categories != 0
             });
             if rules.categories && conflict {
@@ -57,12 +60,23 @@ impl World<'_> {
         let draw = |gates: Vec<usize>| -> u64 {
             gates.iter().filter(|gate| of_agent(gate)).map(|gate| self.declared(*gate).draw).sum()
         };
-        let movable = |gate: &usize| !self.stuck[*gate];
+        let movable = |gate: &usize| !self.is_immovable(*gate);
         let more = draw(mine.iter().copied().filter(movable).collect());
-        let stuck = draw((0..self.stuck.len()).filter(|gate| self.stuck[*gate]).collect());
+        let stuck = draw((0..self.stuck.len()).filter(|gate| self.is_immovable(*gate)).collect());
         let others = draw(taken.iter().copied().filter(movable).collect());
         self.rules(number).supply.is_none()
             || more == 0
             || more + stuck + others <= self.supply[number]
+    }
+
+    fn is_immovable(&self, gate: usize) -> bool {
+        self.stuck[gate] || self.is_hung(gate)
+    }
+
+    /// Whether a command there has not come back when it was due.
+    fn is_hung(&self, gate: usize) -> bool {
+        let id = GateId(u8::try_from(gate).unwrap());
+        let state = self.books.device_report(id).unwrap().state;
+        state == DeviceState::Stuck && !self.stuck[gate]
     }
 }

@@ -197,7 +197,7 @@ impl World<'_> {
             Step::Settle => {
                 if self.unreported.is_empty() {
                     self.settle();
-                    self.check_chosen_unless_hung();
+                    self.check_chosen();
                 }
             }
             ref other => self.apply_to_outside(other),
@@ -412,13 +412,6 @@ impl World<'_> {
                 estimate = Estimate { state: Power::Unknown, ..estimate };
                 self.observe(gate, estimate);
             }
-        }
-    }
-
-    /// What hangs moves for as long as it hangs.
-    fn check_chosen_unless_hung(&self) {
-        if !self.ground.truths.iter().any(|truth| truth.hung.load(Relaxed)) {
-            self.check_chosen();
         }
     }
 }

@@ -14,15 +14,17 @@ use crate::lamp::{Given, Switch};
 use crate::model::{explore, join, keep, spawn};
 use crate::stage::{PATIENCE, Stage, Ticket};
 
-/// A gate on one side of an interlock, and its valid ticket.
+/// A gate on one side of an interlock, seen off, and its valid ticket.
 fn side(
     interlock: &'static Interlock,
-    (side, place): (Side, u8),
+    side: Side,
     hardware: impl FnMut(Given) + Send + 'static,
 ) -> (&'static Stage, Ticket) {
-    let stage = Stage::interlocked(interlock.member(side, place).expect("a free place"), hardware);
+    let stage = Stage::interlocked(interlock.member(side, 0).expect("a free place"), hardware);
     let validity = Validity::from(Function::interlock());
     stage.admit_with(0, 0, validity).expect("the gate is free");
+    let told = stage.key.seen_off(1, Instant::FAR_FUTURE, PATIENCE);
+    told.expect("no command hangs");
     (stage, stage.ticket(0))
 }
 
@@ -30,12 +32,14 @@ fn side(
 fn interlock() {
     explore("interlock", 10, || {
         let interlock: &Interlock = keep(Interlock::new());
-        let (_, heater) = side(interlock, (Side::A, 0), |_| ());
-        let (_, valve) = side(interlock, (Side::B, 0), |_| ());
+        let (_, heater) = side(interlock, Side::A, |_| ());
+        let (_, valve) = side(interlock, Side::B, |_| ());
         let heating = spawn(move || heater.invoke(Switch::On).is_ok());
         let firing = valve.invoke(Switch::On).is_ok();
         let heating = join(heating);
         assert!(!(heating && firing), "Interlock: both sides are on");
+        let alone = valve.invoke(Switch::On).is_ok();
+        assert_eq!(alone, !heating, "Interlock: only the other side's being on refuses");
     });
 }
 
@@ -44,11 +48,11 @@ fn interlock_withdrawn() {
     explore("interlock_withdrawn", 30, || {
         let interlock: &Interlock = keep(Interlock::new());
         let heat: &AtomicUsize = keep(AtomicUsize::new(0));
-        let (cooling, heater) = side(interlock, (Side::A, 0), move |given| {
+        let (cooling, heater) = side(interlock, Side::A, move |given| {
             heat.store(usize::from(given == Given::On), Ordering::Relaxed);
         });
         let seen: &AtomicUsize = keep(AtomicUsize::new(0));
-        let (_, valve) = side(interlock, (Side::B, 0), move |_| {
+        let (_, valve) = side(interlock, Side::B, move |_| {
             seen.store(heat.load(Ordering::Relaxed), Ordering::Relaxed);
         });
         heater.invoke(Switch::On).expect("the other side is off");
@@ -73,16 +77,18 @@ fn telemetry() {
         let times = [(1_u64 << 32) - 2, 1 << 32, (1 << 32) + 3];
         let channel = Channel::new(0).expect("there is one");
         table.publish(channel, 0, Instant::from_micros(times[0]));
-        let publishing = spawn(move || {
-            table.publish(channel, 1, Instant::from_micros(times[1]));
-            table.publish(channel, 2, Instant::from_micros(times[2]));
+        // Loom remembers the last load of a word alone, and who publishes loads
+        // too: so the reader is the thread that comes second.
+        let reading = spawn(move || {
+            let now = 2_u64 << 32;
+            let reading = table.read(channel, Instant::from_micros(now)).expect("it was measured");
+            let said = now - reading.age.as_micros();
+            let truth = times[usize::try_from(reading.value).expect("0 to 2")];
+            assert!(said <= truth, "Bounded Validity: an old value was read with a new time");
         });
-        let now = 2_u64 << 32;
-        let reading = table.read(channel, Instant::from_micros(now)).expect("it was measured");
-        let said = now - reading.age.as_micros();
-        let truth = times[usize::try_from(reading.value).expect("0 to 2")];
-        assert!(said <= truth, "Bounded Validity: an old value was read with a new time");
-        join(publishing);
+        table.publish(channel, 1, Instant::from_micros(times[1]));
+        table.publish(channel, 2, Instant::from_micros(times[2]));
+        join(reading);
     });
 }
 

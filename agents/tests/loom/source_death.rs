@@ -71,7 +71,7 @@ fn death_while_served() {
         // Its device is not wanted by anybody; the monitor's is.
         flight.pass();
         flight.pass();
-        assert_eq!(monitor.check(), Ok(()), "Source Death: nobody was restored");
         assert_eq!(flight.charged(), 8, "Source Death: the dead one's charge stays");
+        assert_eq!(monitor.check(), Ok(()), "Source Death: nobody was restored");
     });
 }
