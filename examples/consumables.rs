@@ -24,9 +24,9 @@ use support::{Outcome, Sensors, claim, wait_for};
 mod support;
 
 /// What the battery has to spare for the camera, and what observations ask for.
-const BUDGET: Microjoules = Microjoules::from_joules(20);
-const COMET: Microjoules = Microjoules::from_joules(14);
-const MOON: Microjoules = Microjoules::from_joules(9);
+const BUDGET: Microjoules = Microjoules::from_joules(40);
+const COMET: Microjoules = Microjoules::from_joules(25);
+const MOON: Microjoules = Microjoules::from_joules(20);
 /// How long the comet is observed in the end, and the moon at most.
 const COMET_TIME: Duration = Duration::from_millis(200);
 const MOON_TIME: Duration = Duration::from_millis(150);
@@ -122,7 +122,7 @@ impl Flight {
 
         println!("Its thread has turned the camera on, and is not heard of any more.");
         let off = || !self.spacecraft.truth().camera_on;
-        // Its lease, a second, would end later.
+        // Its energy would last longer, and so would its lease.
         let soon = Duration::from_millis(500);
         claim(wait_for(self.spacecraft.clock(), soon, off), "the camera goes off all the same")?;
         let on_for = self.on_for().ok_or("the camera was never on")?;

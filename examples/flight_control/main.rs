@@ -3,7 +3,7 @@
 //!
 //! Attitude control at 100 Hz (a wheel, and thruster pulses to unload it),
 //! heater control, a camera monitor and a fault response share the devices
-//! through tickets. After a second the thruster valve sticks open. The fault
+//! through tickets. Little after a second the thruster valve sticks open. The fault
 //! response asks for the cutoff valve, and knows nothing of cameras and heaters:
 //! they lose their tickets, are made safe and seen off, the valve is shut, and
 //! all goes on as before. No other thread has a line of code for it.
@@ -62,7 +62,7 @@ fn fly() -> Outcome<()> {
     let craft = Craft::new()?;
     println!("Flying for {FLIGHT}; the thruster valve sticks open at {}.\n", craft::STICKS_AT);
     let until = craft.spacecraft.clock().now().after(FLIGHT);
-    let (tallies, rescue) = thread::scope(|scope| {
+    let flown = thread::scope(|scope| {
         let craft = &craft;
         let attitude = spawn(scope, "attitude", move || threads::attitude_control(craft, until))?;
         let heaters = spawn(scope, "heaters", move || threads::heater_control(craft, until))?;
@@ -73,7 +73,9 @@ fn fly() -> Outcome<()> {
             [ended(attitude)?, ended(heaters)?, ended(camera)?, fault],
             rescue,
         ))
-    })?;
+    });
+    checks::margin_kept(&craft)?;
+    let (tallies, rescue) = flown?;
 
     println!("{}", tally::table(&tallies.each_ref()));
     print_real_time(&craft.broker, &tallies);

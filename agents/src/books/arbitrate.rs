@@ -123,7 +123,9 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         let mut choice = Choice { by_gate: [None; MAX_GATES], draws: self.immovable_draws() };
         for seat in candidates {
             let blocked = self.blocked(*seat, &choice);
-            if blocked.is_none() || cfg!(feature = "mutant-taken-in-vain") {
+            #[cfg(feature = "mutant-taken-in-vain")]
+            let blocked = blocked.filter(|why| !matches!(why, Waiting::Margin { .. }));
+            if blocked.is_none() {
                 self.choose_seat(*seat, &mut choice);
             }
             if let Some(grant) = self.grant_mut(*seat) {

@@ -90,7 +90,6 @@ impl World<'_> {
             .filter(|grant| grant.tickets.iter().any(|(_, ticket)| ticket.check().is_ok()))
             .collect();
         for (n, one) in valid.iter().enumerate() {
-            self.check_vacated(one);
             for other in &valid[n + 1..] {
                 for (a, b) in one.gates().flat_map(|a| other.gates().map(move |b| (a, b))) {
                     self.check_pair(a, b);
@@ -99,9 +98,9 @@ impl World<'_> {
         }
     }
 
-    /// **Empty Room.** At an exclusive agent nobody is valid while a command of
+    /// **Empty Room.** At an exclusive agent nobody becomes valid while a command of
     /// another may be in progress, unless that one's time is over.
-    fn check_vacated(&self, grant: &Granted<'_>) {
+    pub fn check_vacated(&self, grant: &Granted<'_>) {
         let agent = |gate: usize| self.declared(gate).agent;
         for gate in self.gate_ids().map(|gate| usize::from(gate.0)) {
             let near = grant.gates().any(|mine| agent(mine) == agent(gate));
@@ -182,6 +181,18 @@ impl World<'_> {
         }
     }
 
+    /// **Source Death.** Nothing that is to be made safe when it is orphaned is
+    /// left as it is.
+    pub fn check_orphans(&self) {
+        for gate in self.gate_ids() {
+            let number = usize::from(gate.0);
+            let held = self.grants.values().any(|grant| grant.gates().any(|it| it == number));
+            let orphaned = self.books.device_report(gate).unwrap().state == DeviceState::Orphaned;
+            let safe_at_once = self.declared(number).safe_at_once;
+            assert!(held || !orphaned || !safe_at_once, "{gate} is an orphan, and not made safe");
+        }
+    }
+
     /// Everybody goes home: nothing is charged, taken, or lost.
     pub fn go_home(&mut self) {
         self.ground.broker.leave_safe_mode();
@@ -197,6 +208,7 @@ impl World<'_> {
             self.relinquish(serial, 0);
         }
         self.settle();
+        self.check_orphans();
         for (agent, charge) in self.charges().iter().enumerate() {
             // An orphan may stay on until somebody needs what it draws.
             let draws = |gate: &GateId| self.ground.truths[usize::from(gate.0)].draws(self.now());

@@ -20,7 +20,6 @@ const MOST_STEPS: usize = 16 * super::world::GATES + 16;
 impl World<'_> {
     pub fn feed(&mut self, event: Event) {
         let stuck_before = self.states();
-        if std::env::var("FEED").is_ok() { let text = format!("{event:?}"); eprintln!("{}", &text[..text.len().min(160)]); }
         let actions = self.books.steps([Event::Tick(self.now()), event]);
         self.note_vacated(&stuck_before);
         self.carry_out(&actions);
@@ -55,6 +54,10 @@ impl World<'_> {
         for (ticket, why) in &actions.explained {
             let standing = self.standing(ticket.seat);
             standing.explain_now(standing.epoch_seen(), *why);
+        }
+        let revoked = |ticket| actions.revoked.iter().any(|(other, _)| other == ticket);
+        for ticket in actions.granted.iter().filter(|ticket| !revoked(*ticket)) {
+            self.check_vacated(&self.grants[&ticket.serial]);
         }
         for ticket in &actions.ended {
             self.standing(ticket.seat).end();

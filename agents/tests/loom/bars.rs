@@ -11,14 +11,17 @@ fn bar_against_grant() {
     explore_to(2, "bar_against_grant", 500, || {
         let flight = Flight::new(10, [8, 2]);
         let ticket = flight.request(Priority::SCIENCE, 0);
-        let id = ticket.id();
-        let services = [(); 2].map(|()| spawn(|| flight.broker.service()));
-        flight.broker.bar(&flight.supervisor, id).expect("it lives").without_waiting();
-        let issued = ticket.invoke(Switch::On).is_ok();
-        assert!(!issued, "Closed Door: the barred ticket was admitted");
-        for service in services {
-            join(service);
-        }
+        let barring = spawn(move || {
+            let revoked = flight.broker.bar(&flight.supervisor, ticket.id()).expect("it lives");
+            revoked.without_waiting();
+            let issued = ticket.invoke(Switch::On).is_ok();
+            assert!(!issued, "Closed Door: the barred ticket was admitted");
+            ticket
+        });
+        let other = spawn(|| flight.broker.service());
+        flight.broker.service();
+        join(other);
+        let ticket = join(barring);
         assert!(ticket.check().is_err(), "Closed Door: a grant undid a bar");
         flight.pass();
         assert!(ticket.check().is_err(), "Closed Door: a service undid a bar");
@@ -33,15 +36,17 @@ fn bar_against_preemption() {
     explore("bar_against_preemption", 100, || {
         let flight = Flight::new(10, [8, 2]);
         let monitor = flight.granted(Priority::SCIENCE, 0);
-        let taking = spawn(|| {
-            let emergency = flight.request(Priority::EMERGENCY, 0);
-            flight.broker.service();
-            drop(emergency);
-            flight.broker.service();
+        let barring = spawn(move || {
+            let revoked = flight.broker.bar(&flight.supervisor, monitor.id()).expect("it lives");
+            revoked.without_waiting();
+            let issued = monitor.invoke(Switch::On).is_ok();
+            (monitor, issued)
         });
-        flight.broker.bar(&flight.supervisor, monitor.id()).expect("it lives").without_waiting();
-        let issued = monitor.invoke(Switch::On).is_ok();
-        join(taking);
+        let emergency = flight.request(Priority::EMERGENCY, 0);
+        flight.broker.service();
+        drop(emergency);
+        flight.broker.service();
+        let (monitor, issued) = join(barring);
         let valid = issued || monitor.check().is_ok();
         assert!(!valid, "Closed Door: a restoration undid a bar");
         flight.pass();

@@ -11,12 +11,15 @@ fn safe_mode_against_grant() {
     explore("safe_mode_against_grant", 50, || {
         let flight = Flight::new(10, [8, 2]);
         let ticket = flight.request(Priority::SCIENCE, 0);
-        let service = spawn(|| flight.broker.service());
-        let floor = Priority::EMERGENCY;
-        let revoked = flight.broker.enter_safe_mode(&flight.supervisor, floor);
-        revoked.expect("the supervisor is ours").without_waiting();
-        let issued = ticket.invoke(Switch::On).is_ok();
-        join(service);
+        let revoking = spawn(move || {
+            let floor = Priority::EMERGENCY;
+            let revoked = flight.broker.enter_safe_mode(&flight.supervisor, floor);
+            revoked.expect("the supervisor is ours").without_waiting();
+            let issued = ticket.invoke(Switch::On).is_ok();
+            (ticket, issued)
+        });
+        flight.broker.service();
+        let (ticket, issued) = join(revoking);
         let valid = issued || ticket.check().is_ok();
         assert!(!valid, "Closed Door: a ticket below the floor is valid");
         flight.pass();

@@ -45,7 +45,7 @@ fn interlock() {
 
 #[test]
 fn interlock_withdrawn() {
-    explore("interlock_withdrawn", 30, || {
+    explore("interlock_withdrawn", 5, || {
         let interlock: &Interlock = keep(Interlock::new());
         let heat: &AtomicUsize = keep(AtomicUsize::new(0));
         let (cooling, heater) = side(interlock, Side::A, move |given| {
@@ -66,6 +66,8 @@ fn interlock_withdrawn() {
         join(cooling);
         let heat = seen.load(Ordering::Relaxed);
         assert_eq!(heat, 0, "Interlock: the other side was still on");
+        let alone = valve.invoke(Switch::On).is_ok();
+        assert!(alone, "Interlock: the other side was seen off");
     });
 }
 
