@@ -84,7 +84,7 @@ pub use faregate_tickets as tickets;
 
 /// What a program that embeds tickets names.
 pub mod prelude {
-    pub use faregate_agents::{Categories, Policy, RequestRefused, Supervisor, Waiting};
+    pub use faregate_agents::{AgentId, Categories, Policy, RequestRefused, Supervisor, Waiting};
     pub use faregate_runtime::{Broker, GateOptions, Handle, NotValid, Ticket};
     pub use faregate_tickets::Device;
     pub use faregate_tickets::amount::{Microjoules, Milligrams, MilligramsPerSecond, Milliwatts};
@@ -93,6 +93,7 @@ pub mod prelude {
         Declaration, Effect, Estimate, Power, Profile, WhenOrphaned,
     };
     pub use faregate_tickets::id::{GateId, Priority, TicketId};
+    pub use faregate_tickets::interlock::{Interlock, Side};
     pub use faregate_tickets::refusal::{InvokeError, Refusal};
     pub use faregate_tickets::standing::Why;
     pub use faregate_tickets::validity::{Function, Validity};

@@ -186,9 +186,10 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
 
     /// The agent's supply, and the sum of its charges, where it has a margin.
     pub fn margin(&self, agent: AgentId) -> Option<(Milliwatts, Milliwatts)> {
+        let number = Some(agent.number).filter(|_| agent.tag == self.tag)?;
         self.enter(|ledger| {
             let books = &ledger.books;
-            books.supply(agent.number).map(|supply| (supply, books.charged(agent.number)))
+            books.supply(number).map(|supply| (supply, books.charged(number)))
         })
         .flatten()
     }

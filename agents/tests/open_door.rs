@@ -5,16 +5,34 @@ mod bench;
 
 use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
 
-use bench::{Bench, Switch, margin};
+use bench::{Bench, Switch, drawing, margin};
+use faregate_agents::Supervisor;
+use faregate_tickets::clock::Duration;
+use faregate_tickets::device::Profile;
 use faregate_tickets::id::Priority;
 use faregate_tickets::refusal::Refusal;
 use faregate_tickets::standing::Why;
 
 const COMMANDS: usize = 20_000;
 
+/// A lamp of whose commands nobody loses patience when this machine is busy.
+fn patient() -> (Bench, Supervisor) {
+    let profile = Profile { longest_command: Duration::from_secs(60), ..drawing(8) };
+    Bench::with(margin(10), &[profile])
+}
+
+/// Says that it is over, also when an assertion fails.
+struct Over<'a>(&'a AtomicBool);
+
+impl Drop for Over<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, SeqCst);
+    }
+}
+
 #[test]
 fn refused_holders_that_hammer_cost_the_valid_one_no_command() {
-    let (bench, _) = Bench::new(margin(10), &[8]);
+    let (bench, _) = patient();
     let refused: Vec<_> = (0..3).map(|_| bench.ticket(1, 0)).collect();
     let valid = bench.ticket(9, 0);
     let over = AtomicBool::new(false);
@@ -33,8 +51,9 @@ fn refused_holders_that_hammer_cost_the_valid_one_no_command() {
                 })
             })
             .collect();
+        let ends = Over(&over);
         let issued = (0..COMMANDS).filter(|_| valid.invoke(Switch::Blink).is_ok()).count();
-        over.store(true, SeqCst);
+        drop(ends);
         let through = hammers.into_iter().map(|hammer| hammer.join().unwrap().1).sum::<usize>();
         (issued, through)
     });
@@ -44,7 +63,7 @@ fn refused_holders_that_hammer_cost_the_valid_one_no_command() {
 
 #[test]
 fn no_command_reaches_the_device_after_quiescence() {
-    let (bench, supervisor) = Bench::new(margin(10), &[8]);
+    let (bench, supervisor) = patient();
     for _ in 0..200 {
         let ticket = bench.ticket(1, 0);
         let id = ticket.id();
@@ -57,6 +76,7 @@ fn no_command_reaches_the_device_after_quiescence() {
                 }
                 ticket
             });
+            let ends = Over(over);
             let before = bench.commands(0);
             while bench.commands(0) == before {
                 std::thread::yield_now();
@@ -67,7 +87,7 @@ fn no_command_reaches_the_device_after_quiescence() {
                 std::thread::yield_now();
             }
             assert_eq!(bench.commands(0), at_rest);
-            over.store(true, SeqCst);
+            drop(ends);
             let ticket = holder.join().unwrap();
             assert_eq!(ticket.check(), Err(Refusal::NotValid(Why::Barred)));
         });

@@ -48,7 +48,7 @@ fn camera_and_cutoff_coil_together_trip_the_bus_after_exactly_the_trip_time() {
     let law =
         Law::BusTripped { draw: Milliwatts::from_watts(145), supply: Milliwatts::from_watts(125) };
     assert_eq!(spacecraft.broken_law(), Some((overdrawn.after(Duration::from_micros(5_001)), law)));
-    assert_eq!(law.to_string(), "the bus tripped: 145000 mW drawn, 125000 mW supplied");
+    assert_eq!(law.to_string(), "the bus tripped: 145 W drawn, 125 W supplied");
 }
 
 #[test]

@@ -4,7 +4,7 @@
 use core::fmt;
 
 macro_rules! amount {
-    ($(#[$doc:meta])* $name:ident, $unit:literal) => {
+    ($(#[$doc:meta])* $name:ident, $($size:literal $unit:literal),+) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
         pub struct $name(u64);
@@ -45,8 +45,14 @@ macro_rules! amount {
         }
 
         impl fmt::Display for $name {
+            /// Exact, in the largest unit that leaves a whole number.
             fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                write!(f, concat!("{} ", $unit), self.0)
+                for (size, unit) in [$(($size, $unit)),+] {
+                    if self.0.is_multiple_of(size) && self.0 >= size {
+                        return write!(f, "{} {unit}", self.0 / size);
+                    }
+                }
+                f.write_str("none")
             }
         }
     };
@@ -55,22 +61,28 @@ macro_rules! amount {
 amount!(
     /// Electrical power, in milliwatts.
     Milliwatts,
-    "mW"
+    1_000 "W",
+    1 "mW"
 );
 amount!(
     /// Energy, in microjoules.
     Microjoules,
-    "uJ"
+    1_000_000 "J",
+    1_000 "mJ",
+    1 "uJ"
 );
 amount!(
     /// Mass of propellant, in milligrams.
     Milligrams,
-    "mg"
+    1_000_000 "kg",
+    1_000 "g",
+    1 "mg"
 );
 amount!(
     /// Flow of propellant, in milligrams per second.
     MilligramsPerSecond,
-    "mg/s"
+    1_000 "g/s",
+    1 "mg/s"
 );
 
 impl Milliwatts {
@@ -87,5 +99,20 @@ impl Microjoules {
     #[must_use]
     pub const fn from_joules(joules: u32) -> Self {
         Self(joules as u64 * 1_000_000)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::string::ToString;
+
+    #[test]
+    fn an_amount_is_shown_exactly_in_the_largest_unit_that_fits() {
+        assert_eq!(Milliwatts::from_watts(45).to_string(), "45 W");
+        assert_eq!(Milliwatts::new(1_500).to_string(), "1500 mW");
+        assert_eq!(Microjoules::new(25_001_000).to_string(), "25001 mJ");
+        assert_eq!(Milligrams::ZERO.to_string(), "none");
     }
 }
