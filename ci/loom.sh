@@ -18,7 +18,7 @@ mutants="
 tickets/any-tenant | doors::one_tenant | One Tenant: two tickets of one gate are valid together
 tickets/check-then-act | doors::closed_door | Closed Door: a command was issued after quiescence
 tickets/exempt-by-name | safe_mode::nobody_is_resurrected | Closed Door: revoke_all_but_me resurrected its ticket
-tickets/late-epoch | safe_mode::safe_mode_against_grant | Closed Door: a ticket below the floor is valid
+tickets/late-epoch | safe_mode::late_epoch | Late Epoch Invariant: valid below the floor
 tickets/late-safing | hand_over::late_safing | Restoration: late safing hit the restored holder
 tickets/look-first | shared::interlock | Interlock: both sides are on
 tickets/no-fence | shared::interlock | Interlock: both sides are on
@@ -32,7 +32,6 @@ tickets/try-lock | doors::open_door | Open Door: a command of the valid ticket w
 tickets/turned-on-early | hand_over::margin_kept_while_commanded | Margin Kept: the draw exceeds the supply
 agents/early-credit | hand_over::margin_kept | Margin Kept: the draw exceeds the supply
 agents/late-admission | source_death::death_while_served | Source Death: the dead one's charge stays
-agents/late-stamp | safe_mode::safe_mode_against_grant | Closed Door: a ticket below the floor is valid
 agents/lost-bar | bars::bar_against_preemption | Closed Door: a restoration undid a bar
 agents/stale-estimate | hand_over::only_fresh_estimates_credit | Margin Kept: an old estimate was credited
 agents/taken-in-vain | sets::taken_in_vain | Highest First: a victim was taken in vain

@@ -235,7 +235,8 @@ fn a_request_beyond_any_supply_is_refused_with_the_figures() {
 fn a_budget_is_reserved_by_the_request_and_the_unused_comes_back_to_the_unit() {
     let policy = margin(10).with_energy(Microjoules::from_joules(100));
     let (bench, _) = Bench::new(policy, &[8]);
-    let budget = |joules| bench.lamps[0].limited(Function::energy(Microjoules::from_joules(joules)));
+    let budget =
+        |joules| bench.lamps[0].limited(Function::energy(Microjoules::from_joules(joules)));
     let left = || bench.broker.books().unwrap().budgets(0).unwrap().0;
     let ticket = bench.broker.request(Priority::SCIENCE, &budget(60)).unwrap();
     assert_eq!(left(), Microjoules::from_joules(40));
@@ -259,7 +260,8 @@ fn a_budget_is_reserved_by_the_request_and_the_unused_comes_back_to_the_unit() {
 fn an_unused_budget_comes_back_whole_and_not_that_of_an_earlier_ticket() {
     let policy = margin(10).with_energy(Microjoules::from_joules(100));
     let (bench, _) = Bench::new(policy, &[8]);
-    let budget = |joules| bench.lamps[0].limited(Function::energy(Microjoules::from_joules(joules)));
+    let budget =
+        |joules| bench.lamps[0].limited(Function::energy(Microjoules::from_joules(joules)));
     let left = || bench.broker.books().unwrap().budgets(0).unwrap().0;
     let earlier = bench.broker.request(Priority::SCIENCE, &budget(60)).unwrap();
     bench.broker.service();
@@ -318,8 +320,7 @@ fn a_request_that_comes_when_a_device_proves_stuck_revokes_whom_the_books_revoke
 fn a_limited_ticket_taken_before_its_gate_admitted_it_keeps_its_limits() {
     let (bench, _) = Bench::new(margin(10), &[8]);
     let once = Validity::from(Function::invocations(1));
-    let limited =
-        bench.broker.request(Priority::SCIENCE, &bench.lamps[0].limited(once)).unwrap();
+    let limited = bench.broker.request(Priority::SCIENCE, &bench.lamps[0].limited(once)).unwrap();
     let emergency = bench.broker.request(Priority::EMERGENCY, &bench.lamps[0]).unwrap();
     bench.broker.service();
     drop(emergency);

@@ -6,7 +6,7 @@ mod bench;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::Ordering::SeqCst;
 
-use bench::{Bare, Bench, Hands, Kit, Lamp, Platform, Switch, TICK, Tape, TestBroker};
+use bench::{Bare, Bench, Hands, Kit, Lamp, Platform, Switch, TICK, Tape};
 use bench::{drawing, leak, margin, watts};
 use faregate_agents::{
     Broker, Capacity, DeviceState, Handle, NotYours, Policy, RegisterError, RequestRefused, Waiting,
@@ -32,8 +32,7 @@ fn a_handle_of_another_broker_is_an_unknown_gate() {
     let foreign = elsewhere.lamps[0];
     let refused = broker.request(Priority::EMERGENCY, &foreign).unwrap_err();
     assert_eq!(refused, RequestRefused::UnknownGate);
-    let [own, foreign] =
-        [bench.lamps[0], foreign].map(|lamp| lamp.limited(Validity::always()));
+    let [own, foreign] = [bench.lamps[0], foreign].map(|lamp| lamp.limited(Validity::always()));
     let refused = broker.request(Priority::EMERGENCY, &(own, foreign)).unwrap_err();
     assert_eq!(refused, RequestRefused::UnknownGate);
     let ticket = bench.ticket(1, 0);
@@ -310,6 +309,7 @@ fn an_uncontained_panic_in_a_command_goes_on_and_leaves_a_faulted_gate() {
     let ticket = bench.broker.request(Priority::SCIENCE, &bare).unwrap();
     bench.broker.service();
     ticket.invoke(Switch::On).unwrap();
+    ticket.invoke(Switch::Burn).unwrap_err();
     let serial = ticket.id().serial;
     let thread = std::thread::spawn(move || ticket.invoke(Switch::Panic));
     assert!(thread.join().is_err(), "the panic went on");
@@ -323,6 +323,9 @@ fn an_uncontained_panic_in_a_command_goes_on_and_leaves_a_faulted_gate() {
     let code = Switch::Panic as u16;
     let issued = bench.tapes[1].events_of(serial);
     assert!(issued.contains(&RecordedEvent::Issued { code }), "the fatal command is on the tape");
+    let refused = RecordedEvent::Refused { count: 1 };
+    let tapes = [bench.tapes[1].events_of(serial), bench.tape.events_of(serial)];
+    assert_eq!(tapes.concat().iter().filter(|event| **event == refused).count(), 1, "once");
 }
 
 #[test]
@@ -455,6 +458,3 @@ fn a_full_lane_stops_nobody_and_counts_what_it_lost() {
     // Admitted, issued, vacated, safed.
     assert_eq!(bench.tapes[0].lost.load(SeqCst), 4);
 }
-
-/// The bench's own broker, so that its capacities are the ones tested here.
-const _: fn(TestBroker) = drop;

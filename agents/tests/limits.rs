@@ -3,6 +3,9 @@
 
 mod bench;
 
+use std::sync::atomic::Ordering::SeqCst;
+use std::sync::mpsc::channel;
+
 use bench::{Bench, Hands, Kit, Switch, TICK, drawing, leak, margin};
 use faregate_agents::{Categories, Policy, Waiting};
 use faregate_tickets::amount::{Microjoules, Milligrams, MilligramsPerSecond};
@@ -383,4 +386,29 @@ fn a_waiting_tickets_lease_does_not_run() {
     drop(valid);
     bench.pass(TICK);
     assert_eq!(waiting.invoke(Switch::On), Ok(()));
+}
+
+#[test]
+fn a_slow_command_within_its_factor_is_waited_for_when_a_limit_runs_out() {
+    let slow = Duration::from_millis(100);
+    let profile = Profile { longest_command: slow, overrun_factor: 100, ..drawing(8) };
+    let bench = Bench::with(margin(10), &[profile]).0;
+    let ticket = limited(&bench, Function::lease(Duration::from_millis(20)));
+    let truth = bench.truths[0];
+    truth.hold.store(true, SeqCst);
+    std::thread::scope(|threads| {
+        let holder = threads.spawn(move || ticket.invoke(Switch::On));
+        truth.wait_until_held();
+        bench.clock.advance(Duration::from_millis(50));
+        let (tell, told) = channel();
+        let broker = bench.broker;
+        threads.spawn(move || tell.send(broker.service()));
+        let six_times = slow.saturating_mul(6).into();
+        assert!(told.recv_timeout(six_times).is_err(), "service waits for the command");
+        truth.hold.store(false, SeqCst);
+        assert_eq!(holder.join().unwrap(), Ok(()));
+    });
+    bench.pass(TICK);
+    assert_eq!(bench.broker.device(bench.lamps[0].gate()).unwrap().fault, None);
+    assert!(!bench.is_on(0));
 }

@@ -107,7 +107,10 @@ fn refused_commands_are_counted_and_recorded_once_at_the_next_locked_step() {
     let serial = ticket.id().serial;
     drop(ticket);
     let refused = |events: Vec<Event>| {
-        events.into_iter().filter(|event| matches!(event, Event::Refused { .. })).collect::<Vec<_>>()
+        events
+            .into_iter()
+            .filter(|event| matches!(event, Event::Refused { .. }))
+            .collect::<Vec<_>>()
     };
     assert_eq!(refused(bench.tapes[0].events_of(serial)), [Event::Refused { count: 3 }]);
     assert_eq!(refused(bench.tape.events_of(serial)), [Event::Refused { count: 2 }]);

@@ -112,8 +112,7 @@ fn revoke_all_but_me_exempts_a_valid_ticket_below_the_floor_and_nobody_else() {
     let (me, other) = (bench.ticket(1, 0), bench.ticket(1, 1));
     me.invoke(Switch::On).unwrap();
     other.invoke(Switch::On).unwrap();
-    let (exempt, revoked) =
-        bench.broker.revoke_all_but_me(&supervisor, &me, FLOOR).unwrap();
+    let (exempt, revoked) = bench.broker.revoke_all_but_me(&supervisor, &me, FLOOR).unwrap();
     revoked.without_waiting();
     assert!(exempt);
     assert_eq!(other.check(), Err(Refusal::RevokedAll { floor: Some(FLOOR) }));
@@ -136,8 +135,7 @@ fn a_ticket_that_was_not_valid_is_not_exempt() {
     let (bench, supervisor) = Bench::new(margin(10), &[8, 8]);
     let valid = bench.ticket(9, 0);
     let waiting = bench.ticket(1, 1);
-    let (exempt, revoked) =
-        bench.broker.revoke_all_but_me(&supervisor, &waiting, FLOOR).unwrap();
+    let (exempt, revoked) = bench.broker.revoke_all_but_me(&supervisor, &waiting, FLOOR).unwrap();
     revoked.without_waiting();
     assert!(!exempt);
     assert!(valid.check().is_err(), "the rest is revoked all the same");
@@ -162,7 +160,7 @@ fn an_exempt_ticket_gives_way_to_one_above_the_floor() {
 
 #[test]
 fn a_supervisor_of_another_broker_revokes_nothing_here() {
-    let (bench, supervisor) = Bench::new(margin(10), &[8]);
+    let (bench, _) = Bench::new(margin(10), &[8]);
     let (elsewhere, foreign) = Bench::new(margin(10), &[8]);
     let ticket = bench.ticket(1, 0);
     let broker = bench.broker;
@@ -176,7 +174,6 @@ fn a_supervisor_of_another_broker_revokes_nothing_here() {
     assert_eq!(ticket.check(), Ok(()));
     assert_eq!(elsewhere.broker.revoke_all_but_me(&foreign, &ticket, FLOOR).err(), refused);
     assert_eq!(ticket.check(), Ok(()));
-    drop(supervisor);
 }
 
 #[test]

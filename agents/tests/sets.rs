@@ -166,8 +166,7 @@ fn an_extension_keeps_the_state_of_the_limits() {
     let first = bench.broker.request(Priority::SCIENCE, &twice).unwrap();
     bench.broker.service();
     first.invoke(Switch::Blink).unwrap();
-    let second =
-        bench.broker.extend(&first, &bench.lamps[1].limited(Validity::always())).unwrap();
+    let second = bench.broker.extend(&first, &bench.lamps[1].limited(Validity::always())).unwrap();
     bench.broker.service();
     assert_eq!(second.invoke(Switch::Blink), Ok(()));
     assert_eq!(first.invoke(Switch::Blink), Ok(()));
@@ -232,7 +231,10 @@ fn a_full_table_of_sets_refuses_and_a_set_given_back_makes_room() {
     let refused = bench.broker.extend(&single, &more).unwrap_err();
     assert_eq!(refused, RequestRefused::NoCapacity(Capacity::Sets));
     drop(single);
-    assert_eq!(bench.broker.books().map(|books| books.free_seats()), before.map(|b| b.free_seats()));
+    assert_eq!(
+        bench.broker.books().map(|books| books.free_seats()),
+        before.map(|b| b.free_seats())
+    );
     drop(first);
     assert!(pair(&bench, 255, [0, 2]).is_ok());
     drop(second);

@@ -28,18 +28,20 @@ fn a_barred_ticket_is_refused_at_once_and_its_device_made_safe() {
 
 #[test]
 fn a_reinstated_ticket_stands_behind_those_who_came_meanwhile() {
-    let (bench, supervisor) = Bench::new(margin(10), &[8]);
-    let barred = bench.ticket(5, 0);
-    bench.broker.bar(&supervisor, barred.id()).unwrap().without_waiting();
-    let later = bench.ticket(5, 0);
-    bench.pass(TICK);
-    assert_eq!(later.check(), Ok(()));
-    bench.broker.reinstate(&supervisor, barred.id()).unwrap();
-    bench.pass(TICK);
-    assert_eq!(later.check(), Ok(()), "the other came first, now");
-    drop(later);
-    bench.pass(TICK);
-    assert_eq!(barred.invoke(Switch::On), Ok(()));
+    for lamp in [0, 1] {
+        let (bench, supervisor) = Bench::new(margin(10), &[8, 8]);
+        let barred = bench.ticket(5, 0);
+        bench.broker.bar(&supervisor, barred.id()).unwrap().without_waiting();
+        let later = bench.ticket(5, lamp);
+        bench.pass(TICK);
+        assert_eq!(later.check(), Ok(()));
+        bench.broker.reinstate(&supervisor, barred.id()).unwrap();
+        bench.pass(TICK);
+        assert_eq!(later.check(), Ok(()), "the other came first, now");
+        drop(later);
+        bench.pass(TICK);
+        assert_eq!(barred.invoke(Switch::On), Ok(()));
+    }
 }
 
 #[test]

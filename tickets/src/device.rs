@@ -167,6 +167,17 @@ impl Profile {
         }
     }
 
+    /// How long a command or safing in progress is waited for. After it the
+    /// gate is faulted.
+    #[must_use]
+    pub const fn patience(&self) -> Duration {
+        let command = self.longest_command.as_micros();
+        let safing = self.longest_safing.as_micros();
+        let longest = if command > safing { command } else { safing };
+        let factor = if self.overrun_factor == 0 { 1 } else { self.overrun_factor };
+        Duration::from_micros(longest).saturating_mul(factor as u64)
+    }
+
     /// The same with this largest draw.
     #[must_use]
     pub const fn drawing(mut self, draw: Milliwatts) -> Self {

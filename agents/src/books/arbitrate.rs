@@ -290,7 +290,8 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         before.find(|seat| {
             let Some(grant) = self.grant(*seat) else { return false };
             let draws = self.draws_of(grant.gates, |_| true);
-            let shares = draws.iter().zip(&lost).any(|(own, lost)| !own.is_zero() && !lost.is_zero());
+            let shares =
+                draws.iter().zip(&lost).any(|(own, lost)| !own.is_zero() && !lost.is_zero());
             choice.has(*seat, grant.gates) && !grant.is_granted() && shares
         })
     }

@@ -161,7 +161,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
             return None;
         }
         // Who has waited once in vain only looks whether it came back.
-        let timeout = if hung { Duration::ZERO } else { device.patience() };
+        let timeout = if hung { Duration::ZERO } else { device.profile.patience() };
         Some(Work::Vacate { gate, tenure: device.tenure, timeout })
     }
 
@@ -171,14 +171,14 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
             gate,
             tenure: device.tenure,
             attempt: device.attempts.wrapping_add(1),
-            timeout: device.patience(),
+            timeout: device.profile.patience(),
         })
     }
 
     fn telling(&self, gate: GateId, device: &DeviceBook) -> Option<Work> {
         let known = matches!(device.phase, Phase::Off | Phase::Held);
         let at = device.tell_off.filter(|_| known)?;
-        Some(Work::SeenOff { gate, tenure: device.tenure, at, timeout: device.patience() })
+        Some(Work::SeenOff { gate, tenure: device.tenure, at, timeout: device.profile.patience() })
     }
 
     fn admitting(&self, gate: GateId, device: &DeviceBook) -> Option<Work> {
@@ -198,7 +198,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
             validity: self.validity(seat, gate)?,
             agent: device.agent_stamp,
             stamp: last.then_some(Stamp { own: grant.own, broker: grant.broker_stamp }),
-            timeout: device.patience(),
+            timeout: device.profile.patience(),
         })
     }
 
@@ -441,7 +441,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         let Some(device) = self.device_mut(gate).filter(|device| device.tenure == tenure) else {
             return;
         };
-        let retry_at = now.after(device.patience());
+        let retry_at = now.after(device.profile.patience());
         match (blocked, device.phase) {
             // Somebody else did it, and reports it.
             (Blocked::Stale, _) => device.tell_off = None,
@@ -449,13 +449,5 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
             (_, Phase::Idle) => device.stuck = true,
             _ => device.tell_off = None,
         }
-    }
-}
-
-impl DeviceBook {
-    /// How long a command in progress may take before its gate is faulted.
-    pub(crate) fn patience(&self) -> Duration {
-        let longest = self.profile.longest_command.max(self.profile.longest_safing);
-        longest.saturating_mul(u64::from(self.profile.overrun_factor.max(1)))
     }
 }

@@ -40,6 +40,18 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         }
     }
 
+    /// The scopes whose epoch has ended since the books last heard of them.
+    pub(crate) fn ended<'a>(
+        &'a self,
+        broker: Seen,
+        agents: &'a [Seen; MAX_AGENTS],
+    ) -> impl Iterator<Item = Seen> + 'a {
+        let heard = self.agents.iter().map(|agent| agent.seen);
+        let scopes = core::iter::once((self.broker_seen, broker));
+        let scopes = scopes.chain(heard.zip(agents.iter().copied()));
+        scopes.filter(|(heard, seen)| heard.epoch != seen.epoch).map(|(_, seen)| seen)
+    }
+
     fn notice_tenant(
         &mut self,
         gate: GateId,

@@ -2,11 +2,12 @@
 
 use faregate_tickets::clock::{Clock, Instant};
 use faregate_tickets::gate::{Admission, Key};
-use faregate_tickets::id::GateId;
+use faregate_tickets::id::{GateId, Priority};
 use faregate_tickets::lock::Exclusion;
 use faregate_tickets::notify::Notify;
 use faregate_tickets::platform::Platform;
-#[cfg(any(feature = "mutant-lost-bar", feature = "mutant-late-stamp"))]
+use faregate_tickets::recorder::{Lane, Record, RecordedEvent};
+#[cfg(feature = "mutant-lost-bar")]
 use faregate_tickets::standing::Stamp;
 
 use crate::books::{Actions, Done, Event, Work};
@@ -68,6 +69,7 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
             let now = ledger.clock.now();
             self.look_for_bars(ledger, now);
             let noticed = self.noticed(ledger);
+            Self::record_safe_modes(ledger, now, &noticed);
             let actions = ledger
                 .books
                 .steps([Event::Tick(now), noticed, self.faults()].into_iter().chain(event));
@@ -117,6 +119,15 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
             }
         }
         Event::Noticed { broker, agents, survivors }
+    }
+
+    fn record_safe_modes(ledger: &mut Ledger<P, G, T, S>, now: Instant, noticed: &Event) {
+        let Event::Noticed { broker, agents, .. } = noticed else { return };
+        for seen in ledger.books.ended(*broker, agents) {
+            let floor = Priority::new(u8::try_from(seen.floor).unwrap_or(u8::MAX));
+            let event = RecordedEvent::SafeMode { floor };
+            ledger.lane.record(Record { at: now, ticket: 0, event });
+        }
     }
 
     fn faults(&self) -> Event {
@@ -186,8 +197,6 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
         let standing = self.standings.get(usize::from(ticket.seat))?;
         #[cfg(feature = "mutant-lost-bar")]
         let stamp = stamp.map(|stamp| Stamp { own: standing.epoch_seen(), ..stamp });
-        #[cfg(feature = "mutant-late-stamp")]
-        let stamp = stamp.map(|stamp| Stamp { broker: self.scope.read().epoch, ..stamp });
         let stamp = stamp.map(|stamp| (standing, stamp));
         let admission = Admission { serial: ticket.serial, tenure: after, agent, validity, stamp };
         let admitted = key.admit(admission, timeout);
@@ -195,8 +204,8 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
     }
 
     fn look_at_limit(&self, gate: GateId, serial: usize) -> Option<Event> {
-        let patience = self.key(gate)?.profile().longest_command;
-        let ran_out = self.key(gate)?.ran_out(serial, patience.saturating_mul(4))?;
+        let key = self.key(gate)?;
+        let ran_out = key.ran_out(serial, key.profile().patience())?;
         Some(Event::RanOut { gate, serial, ends_ticket: ran_out.ends_ticket })
     }
 }

@@ -71,9 +71,7 @@ impl Revoked<'_> {
     /// the gate's strategy has it.
     pub fn quiesce(self) -> Result<Quiescent, (GateId, Blocked)> {
         for (number, key) in (0..).zip(self.keys) {
-            let profile = key.profile();
-            let patience =
-                profile.longest_command.saturating_mul(u64::from(profile.overrun_factor.max(1)));
+            let patience = key.profile().patience();
             key.pass(patience).map_err(|blocked| (GateId(number), blocked))?;
         }
         Ok(Quiescent(()))

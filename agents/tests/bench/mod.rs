@@ -1,6 +1,5 @@
 //! A bench of lamps: devices whose truth the test sets, on a clock whose hands
 //! the test moves, with a flight recorder that the test can read.
-#![expect(clippy::allow_attributes, reason = "an expectation fails where all of it is used")]
 #![allow(dead_code, reason = "each promise uses its own part of the bench")]
 
 mod lamp;

@@ -39,7 +39,7 @@ fn margin_kept() {
 
 #[test]
 fn margin_kept_while_commanded() {
-    explore_to(2, "margin_kept_while_commanded", 500, || {
+    explore_to(2, "margin_kept_while_commanded", 100, || {
         let flight = Flight::new(SUPPLY, [8, 7]);
         let camera = flight.granted(Priority::SCIENCE, 0);
         let service = spawn(|| {
@@ -57,7 +57,7 @@ fn margin_kept_while_commanded() {
 
 #[test]
 fn only_fresh_estimates_credit() {
-    explore_to(2, "only_fresh_estimates_credit", 200, || {
+    explore_to(2, "only_fresh_estimates_credit", 80, || {
         let flight = Flight::new(SUPPLY, [8, 7]);
         let camera = flight.granted(Priority::SCIENCE, 0);
         flight.bus.deaf[0].store(1, Ordering::Relaxed);
@@ -96,7 +96,7 @@ fn late_safing() {
 
 #[test]
 fn restoration() {
-    explore_to(2, "restoration", 500, || {
+    explore_to(2, "restoration", 300, || {
         let flight = Flight::new(SUPPLY, [8, 7]);
         let monitor = flight.request(Priority::SCIENCE, 0);
         let service = spawn(|| flight.broker.service());

@@ -11,7 +11,7 @@ use faregate_tickets::validity::{Function, Validity};
 use loom::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::lamp::{Given, Switch};
-use crate::model::{explore, join, keep, spawn};
+use crate::model::{explore, explore_to, join, keep, spawn};
 use crate::stage::{PATIENCE, Stage, Ticket};
 
 /// A gate on one side of an interlock, seen off, and its valid ticket.
@@ -96,7 +96,7 @@ fn telemetry() {
 
 #[test]
 fn reasons() {
-    explore("reasons", 100, || {
+    explore_to(2, "reasons", 100, || {
         let stage = Stage::new(|_| ());
         let ticket = stage.ticket(0);
         let by = |serial, level| Why::Preempted {

@@ -38,7 +38,7 @@ fn death_in_a_command() {
 
 #[test]
 fn death_of_a_victim() {
-    explore_to(2, "death_of_a_victim", 300, || {
+    explore_to(2, "death_of_a_victim", 40, || {
         let flight = Flight::new(SUPPLY, [8, 7]);
         let camera = flight.granted(Priority::SCIENCE, 0);
         camera.invoke(Switch::On).expect("it is valid");

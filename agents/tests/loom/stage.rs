@@ -30,7 +30,7 @@ pub(crate) struct Stage {
     pub(crate) standings: [Standing; 2],
     handle: Handle<'static, Lamp, Loomed>,
     agent: Scope,
-    broker: Scope,
+    pub(crate) broker: Scope,
 }
 
 /// Time does not pass in a model.
@@ -79,7 +79,27 @@ impl Stage {
         tenure: usize,
         validity: Validity,
     ) -> Result<usize, Blocked> {
-        let stamp = Some((&self.standings[holder], Stamp { own: 1, broker: 1 }));
+        self.admit_by(holder, tenure, validity, 1)
+    }
+
+    /// With the broker's epoch that was read before the decision.
+    pub(crate) fn admit_at(
+        &self,
+        holder: usize,
+        tenure: usize,
+        broker: usize,
+    ) -> Result<usize, Blocked> {
+        self.admit_by(holder, tenure, Validity::always(), broker)
+    }
+
+    fn admit_by(
+        &self,
+        holder: usize,
+        tenure: usize,
+        validity: Validity,
+        broker: usize,
+    ) -> Result<usize, Blocked> {
+        let stamp = Some((&self.standings[holder], Stamp { own: 1, broker }));
         let admission = Admission { serial: holder + 1, tenure, agent: 1, validity, stamp };
         self.key.admit(admission, PATIENCE)
     }

@@ -1,0 +1,95 @@
+//! The table of guarantees speaks of what is there: every file, test and mutant
+//! that `docs/guarantees.md` names exists.
+
+use std::path::Path;
+
+const GUARANTEES: [&str; 15] = [
+    "No Bypass",
+    "Open Door",
+    "Closed Door",
+    "Empty Room",
+    "One Tenant",
+    "Constant Revoke",
+    "Bounded Hand-over",
+    "Highest First",
+    "Margin Kept",
+    "Bounded Validity",
+    "Restoration",
+    "Source Death",
+    "No Allocation",
+    "Every Refusal Explains Itself",
+    "Nothing Lost",
+];
+
+fn read(path: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(path);
+    std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+fn page() -> String {
+    read("docs/guarantees.md")
+}
+
+/// What stands between backquotes, in order.
+fn quoted(text: &str) -> impl Iterator<Item = &str> {
+    text.split('`').skip(1).step_by(2)
+}
+
+#[test]
+fn every_guarantee_has_its_section_with_code_test_and_break() {
+    let page = page();
+    let mut sections = page.split("\n## ").skip(1);
+    for name in GUARANTEES {
+        let section = sections.next().unwrap_or_else(|| panic!("{name} has no section"));
+        assert!(section.starts_with(name), "{name} is missing before: {section}");
+        for part in ["\n- code: ", "\n- shown by: ", "\n- break: "] {
+            assert!(section.contains(part), "{name} lacks '{}'", part.trim());
+        }
+    }
+    assert_eq!(sections.next(), None);
+}
+
+#[test]
+fn every_file_and_every_test_in_it_exists() {
+    let page = page();
+    let mut tests = 0;
+    for item in page.split("\n- ").skip(1) {
+        let item = item.split("\n## ").next().unwrap_or_default();
+        let mut file: Option<(&str, String)> = None;
+        for word in quoted(item) {
+            if word.contains('/') && word.ends_with(".rs") {
+                file = Some((word, read(word)));
+            } else if let Some((path, text)) = file.as_ref().filter(|_| is_a_test_name(word)) {
+                if !path.contains("tests/") {
+                    continue;
+                }
+                assert!(text.contains(&format!("fn {word}")), "{path} has no {word}");
+                tests += 1;
+            }
+        }
+    }
+    assert!(tests > 60, "only {tests} tests were found: has the page another form now?");
+}
+
+fn is_a_test_name(word: &str) -> bool {
+    word.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
+}
+
+#[test]
+fn every_mutant_exists_is_named_and_is_killed_in_ci() {
+    let (page, script) = (page(), read("ci/loom.sh"));
+    for crate_name in ["tickets", "agents"] {
+        let manifest = read(&format!("{crate_name}/Cargo.toml"));
+        for line in manifest.lines().filter(|line| line.starts_with("mutant-")) {
+            let mutant = line.split(' ').next().unwrap_or_default();
+            let name = mutant.trim_start_matches("mutant-");
+            assert!(page.contains(&format!("`{crate_name}/{mutant}`")), "{mutant} is not named");
+            assert!(script.contains(&format!("{crate_name}/{name} |")), "{mutant} is not killed");
+        }
+    }
+    for mutant in quoted(&page).filter(|word| word.contains("/mutant-")) {
+        let (crate_name, feature) = mutant.split_once('/').expect("a crate and a feature");
+        let manifest = read(&format!("{crate_name}/Cargo.toml"));
+        assert!(manifest.contains(&format!("\n{feature} = ")), "{mutant} does not exist");
+    }
+}
