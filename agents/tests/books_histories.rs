@@ -3,6 +3,8 @@
 //! comes to rest with those valid whom an independent oracle names; after
 //! everybody went home nothing is charged, taken or lost.
 
+#![cfg(not(loom))]
+
 mod books;
 
 use books::step::{History, How, Limit, Step, Word};

@@ -184,11 +184,11 @@ fn tickets_go_to_and_fro_under_load_and_none_is_refused_while_valid() {
     let Bench { broker, lamps, .. } = &bench;
     let grants = AtomicU32::new(0);
     thread::scope(|scope| {
-        for (number, lamp) in [0_usize, 1, 0, 1].into_iter().enumerate() {
+        for (number, lamp) in (0_u8..).zip([0_usize, 1, 0, 1]) {
             let (grants, lamp) = (&grants, &lamps[lamp]);
             scope.spawn(move || {
                 for round in 0..25_u8 {
-                    let priority = Priority::new(round.wrapping_mul(37).wrapping_add(number as u8));
+                    let priority = Priority::new(round.wrapping_mul(37).wrapping_add(number));
                     let ticket = broker.request(priority, lamp).expect("there is room");
                     broker.wait(&ticket, LONG).expect("everybody gives back in time");
                     // It may have been pre-empted since: then it says so.

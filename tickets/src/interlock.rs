@@ -196,6 +196,7 @@ mod tests {
 
     const REFUSED: Result<(), Denial> = Err(Denial::by(Rule::Interlock));
 
+    #[expect(clippy::expect_used, reason = "a test helper")]
     fn pair(interlock: &Interlock) -> [Member<'_>; 2] {
         [Side::A, Side::B].map(|side| interlock.member(side, 0).expect("a free place"))
     }

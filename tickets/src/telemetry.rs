@@ -253,6 +253,7 @@ mod tests {
         Instant::from_micros(us)
     }
 
+    #[expect(clippy::expect_used, reason = "a test helper")]
     fn channel(number: u8) -> Channel {
         Channel::new(number).expect("a channel")
     }

@@ -152,8 +152,8 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     pub fn hand_over_bound(&self, gate: GateId, rounds: u32) -> Option<Duration> {
         let agent = self.device(gate)?.agent;
         let devices = || self.devices.iter().filter(move |device| device.agent == agent);
-        let vacating =
-            devices().fold(Duration::ZERO, |sum, device| sum.saturating_add(device.profile.patience()));
+        let vacating = devices()
+            .fold(Duration::ZERO, |sum, device| sum.saturating_add(device.profile.patience()));
         let attempts = devices().map(|device| device.profile.safing_attempts.max(1)).max()?;
         let safing = devices()
             .fold(Duration::ZERO, |sum, device| sum.saturating_add(device.profile.longest_safing));

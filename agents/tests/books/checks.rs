@@ -16,7 +16,7 @@ const MOST_ROUNDS: usize = 100;
 
 impl World<'_> {
     /// After every step of a history.
-    pub fn check(&self) {
+    pub(crate) fn check(&self) {
         self.check_truth_is_charged();
         self.check_standings();
         self.check_tickets();
@@ -27,7 +27,7 @@ impl World<'_> {
     /// **Margin Kept.** Nothing is added to the charges beyond the supply.
     /// (What was charged at boot, or before the supply fell, or what something
     /// else turned on, stays until it is seen off.)
-    pub fn check_charges(&mut self) {
+    pub(crate) fn check_charges(&mut self) {
         let charged = self.charges();
         let before = std::mem::replace(&mut self.charged, charged);
         if std::mem::take(&mut self.unbidden_seen) {
@@ -100,7 +100,7 @@ impl World<'_> {
 
     /// **Empty Room.** At an exclusive agent nobody becomes valid while a command of
     /// another may be in progress, unless that one's time is over.
-    pub fn check_vacated(&self, grant: &Granted<'_>) {
+    pub(crate) fn check_vacated(&self, grant: &Granted<'_>) {
         let agent = |gate: usize| self.declared(gate).agent;
         for gate in self.gate_ids().map(|gate| usize::from(gate.0)) {
             let near = grant.gates().any(|mine| agent(mine) == agent(gate));
@@ -125,7 +125,7 @@ impl World<'_> {
     }
 
     /// Everything that can be healed is, and time passes until nothing moves.
-    pub fn heal_and_settle(&mut self) {
+    pub(crate) fn heal_and_settle(&mut self) {
         for truth in &self.ground.truths {
             truth.deaf_to_safing.store(0, Relaxed);
             truth.hung.store(false, Relaxed);
@@ -143,7 +143,7 @@ impl World<'_> {
     }
 
     /// Rounds of sensors and service, until one of them changes nothing.
-    pub fn settle(&mut self) {
+    pub(crate) fn settle(&mut self) {
         for _ in 0..MOST_ROUNDS {
             let before = self.changes;
             self.service();
@@ -171,7 +171,7 @@ impl World<'_> {
 
     /// **Highest First** and **Restoration**: when nothing is in motion, those
     /// are valid whom the oracle would choose.
-    pub fn check_chosen(&self) {
+    pub(crate) fn check_chosen(&self) {
         let chosen = self.chosen();
         for (serial, grant) in &self.grants {
             let valid = self.books.is_valid(grant.id);
@@ -183,7 +183,7 @@ impl World<'_> {
 
     /// **Source Death.** Nothing that is to be made safe when it is orphaned is
     /// left as it is.
-    pub fn check_orphans(&self) {
+    pub(crate) fn check_orphans(&self) {
         for gate in self.gate_ids() {
             let number = usize::from(gate.0);
             let held = self.grants.values().any(|grant| grant.gates().any(|it| it == number));
@@ -194,7 +194,7 @@ impl World<'_> {
     }
 
     /// Everybody goes home: nothing is charged, taken, or lost.
-    pub fn go_home(&mut self) {
+    pub(crate) fn go_home(&mut self) {
         self.ground.broker.leave_safe_mode();
         for scope in &self.ground.scopes {
             scope.leave_safe_mode();

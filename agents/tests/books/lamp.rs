@@ -8,14 +8,14 @@ use faregate_tickets::device::{Declaration, Device, Effect, Power, Profile};
 use faregate_tickets::lock::{Exclusion, Owner, Shut, Strategy};
 use faregate_tickets::recorder::NoLane;
 
-pub type Platform<'w> = (Alone, &'w Hands, NoLane);
+pub(crate) type Platform<'w> = (Alone, &'w Hands, NoLane);
 
 /// A clock whose hands the history moves.
 #[derive(Debug, Default)]
-pub struct Hands(AtomicU64);
+pub(crate) struct Hands(AtomicU64);
 
 impl Hands {
-    pub fn advance(&self, by: Duration) {
+    pub(crate) fn advance(&self, by: Duration) {
         self.0.fetch_add(by.as_micros(), Relaxed);
     }
 }
@@ -29,12 +29,12 @@ impl Clock for Hands {
 /// What is true of a lamp. Its draw begins with the On command and ends when
 /// it has settled after an Off; its sensor shows either only then.
 #[derive(Debug)]
-pub struct Truth {
-    pub profile: Profile,
-    pub deaf_to_safing: AtomicU32,
+pub(crate) struct Truth {
+    pub(crate) profile: Profile,
+    pub(crate) deaf_to_safing: AtomicU32,
     /// On by nobody's command.
-    pub unbidden: AtomicBool,
-    pub hung: AtomicBool,
+    pub(crate) unbidden: AtomicBool,
+    pub(crate) hung: AtomicBool,
     on: AtomicBool,
     changed_at: AtomicU64,
     drew: AtomicBool,
@@ -42,7 +42,7 @@ pub struct Truth {
 }
 
 impl Truth {
-    pub fn new(profile: Profile, on: bool) -> Self {
+    pub(crate) fn new(profile: Profile, on: bool) -> Self {
         Self {
             profile,
             deaf_to_safing: AtomicU32::new(0),
@@ -55,7 +55,7 @@ impl Truth {
         }
     }
 
-    pub fn turn(&self, on: bool, now: Instant) {
+    pub(crate) fn turn(&self, on: bool, now: Instant) {
         self.drew.store(self.draws(now), Relaxed);
         self.showed.store(self.shows(now) == Power::On, Relaxed);
         self.on.store(on, Relaxed);
@@ -69,24 +69,24 @@ impl Truth {
         now >= changed_at.after(self.profile.settling)
     }
 
-    pub fn draws(&self, now: Instant) -> bool {
+    pub(crate) fn draws(&self, now: Instant) -> bool {
         self.on.load(Relaxed) || (!self.has_settled(now) && self.drew.load(Relaxed))
     }
 
-    pub fn shows(&self, now: Instant) -> Power {
+    pub(crate) fn shows(&self, now: Instant) -> Power {
         let on = if self.has_settled(now) { &self.on } else { &self.showed };
         if on.load(Relaxed) { Power::On } else { Power::Off }
     }
 }
 
 #[derive(Debug)]
-pub struct Lamp<'w> {
-    pub truth: &'w Truth,
-    pub clock: &'w Hands,
+pub(crate) struct Lamp<'w> {
+    pub(crate) truth: &'w Truth,
+    pub(crate) clock: &'w Hands,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Switch {
+pub(crate) enum Switch {
     On,
     Off,
     Fault,
@@ -137,7 +137,7 @@ thread_local! {
 }
 
 /// Runs `f` while the gates that it enters hang, or do not.
-pub fn with_hung<R>(hung: bool, f: impl FnOnce() -> R) -> R {
+pub(crate) fn with_hung<R>(hung: bool, f: impl FnOnce() -> R) -> R {
     HUNG.set(hung);
     let result = f();
     HUNG.set(false);
@@ -146,14 +146,14 @@ pub fn with_hung<R>(hung: bool, f: impl FnOnce() -> R) -> R {
 
 /// The strategy of a world with one thread.
 #[derive(Debug)]
-pub struct Alone;
+pub(crate) struct Alone;
 
 impl Strategy for Alone {
     type Lock<T: Send> = AloneLock<T>;
 }
 
 #[derive(Debug)]
-pub struct AloneLock<T>(parking_lot::Mutex<T>);
+pub(crate) struct AloneLock<T>(parking_lot::Mutex<T>);
 
 impl<T> Exclusion<T> for AloneLock<T> {
     fn new(value: T) -> Self {

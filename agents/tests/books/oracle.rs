@@ -8,7 +8,7 @@ use super::world::{Granted, World};
 
 impl World<'_> {
     /// The serials of those who ought to be valid when nothing is in motion.
-    pub fn chosen(&self) -> Vec<usize> {
+    pub(crate) fn chosen(&self) -> Vec<usize> {
         let mut order: Vec<&Granted<'_>> = self.grants.values().collect();
         order.sort_by_key(|grant| (u8::MAX - grant.priority, grant.arrival));
         let mut chosen: Vec<&Granted<'_>> = Vec::new();

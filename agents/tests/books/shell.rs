@@ -18,7 +18,7 @@ use super::world::{SEATS, World};
 const MOST_STEPS: usize = 16 * super::world::GATES + 16;
 
 impl World<'_> {
-    pub fn feed(&mut self, event: Event) {
+    pub(crate) fn feed(&mut self, event: Event) {
         let stuck_before = self.states();
         let actions = self.books.steps([Event::Tick(self.now()), event]);
         self.note_vacated(&stuck_before);
@@ -40,7 +40,7 @@ impl World<'_> {
         }
     }
 
-    pub fn carry_out(&mut self, actions: &Actions) {
+    pub(crate) fn carry_out(&mut self, actions: &Actions) {
         for noted in &actions.noted {
             match *noted {
                 Noted::SeenOff(gate) => self.stuck[usize::from(gate.0)] = false,
@@ -100,12 +100,12 @@ impl World<'_> {
         }
     }
 
-    pub fn standing(&self, seat: u16) -> &Standing {
+    pub(crate) fn standing(&self, seat: u16) -> &Standing {
         &self.ground.standings[usize::from(seat)]
     }
 
     /// Takes in what can be seen.
-    pub fn look(&mut self) {
+    pub(crate) fn look(&mut self) {
         self.look_for_bars();
         let noticed = self.noticed_event();
         self.feed(noticed);
@@ -163,7 +163,7 @@ impl World<'_> {
     }
 
     /// Does one piece of work, however late.
-    pub fn perform(&self, work: &Work) -> Done {
+    pub(crate) fn perform(&self, work: &Work) -> Done {
         let gate = work.gate();
         let number = usize::from(gate.0);
         let key = &self.keys[number];
@@ -200,7 +200,7 @@ impl World<'_> {
         done.unwrap_or_else(|blocked| Done::Blocked { gate, tenure, blocked })
     }
 
-    pub fn report(&mut self, done: Done) {
+    pub(crate) fn report(&mut self, done: Done) {
         if let Done::Blocked { gate, blocked: Blocked::Hung, .. } = done {
             let state = self.books.device_report(gate).unwrap().state;
             if state == DeviceState::Orphaned {
@@ -211,7 +211,7 @@ impl World<'_> {
     }
 
     /// All that is due now; how many steps it took.
-    pub fn service(&mut self) -> usize {
+    pub(crate) fn service(&mut self) -> usize {
         self.look();
         for steps in 0..MOST_STEPS {
             if let Ok(work) = self.books.work() {
@@ -226,7 +226,7 @@ impl World<'_> {
     }
 
     /// Whether a limit has run out.
-    pub fn look_at_limits(&mut self) -> bool {
+    pub(crate) fn look_at_limits(&mut self) -> bool {
         let now = self.now();
         for gate in self.gate_ids() {
             let number = usize::from(gate.0);
@@ -245,12 +245,12 @@ impl World<'_> {
         false
     }
 
-    pub fn measure(&self, gate: GateId) -> Estimate {
+    pub(crate) fn measure(&self, gate: GateId) -> Estimate {
         let state = self.ground.truths[usize::from(gate.0)].shows(self.now());
         Estimate { state, measured_at: self.now() }
     }
 
-    pub fn observe(&mut self, gate: GateId, estimate: Estimate) {
+    pub(crate) fn observe(&mut self, gate: GateId, estimate: Estimate) {
         let number = usize::from(gate.0);
         let state = self.books.device_report(gate).unwrap().state;
         let granted = state == DeviceState::Granted;

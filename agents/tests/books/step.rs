@@ -14,7 +14,7 @@ use super::world::{Granted, World};
 
 /// A history, printed with one happening on a line.
 #[derive(Clone)]
-pub struct History(pub Vec<Step>);
+pub(crate) struct History(pub(crate) Vec<Step>);
 
 impl std::fmt::Debug for History {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -24,7 +24,7 @@ impl std::fmt::Debug for History {
 
 /// One happening. Numbers pick among what there is.
 #[derive(Clone, Debug)]
-pub enum Step {
+pub(crate) enum Step {
     Request {
         gates: Vec<u8>,
         priority: u8,
@@ -116,7 +116,7 @@ pub enum Step {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Limit {
+pub(crate) enum Limit {
     None,
     Invocations,
     Energy,
@@ -125,14 +125,14 @@ pub enum Limit {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Word {
+pub(crate) enum Word {
     Prompt,
     Late,
     Unknown,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum How {
+pub(crate) enum How {
     Well,
     Twice,
     /// Done, and the report is held back.
@@ -168,7 +168,7 @@ impl World<'_> {
         number % u8::try_from(self.ground.setup.agents.len()).unwrap()
     }
 
-    pub fn apply(&mut self, step: &Step) {
+    pub(crate) fn apply(&mut self, step: &Step) {
         match *step {
             Step::Request { ref gates, priority, limit } => self.request(gates, priority, limit),
             Step::Relinquish { ticket, gate } => {
@@ -336,7 +336,7 @@ impl World<'_> {
         self.carry_out(&actions);
     }
 
-    pub fn relinquish(&mut self, serial: usize, gate: u8) {
+    pub(crate) fn relinquish(&mut self, serial: usize, gate: u8) {
         let grant = self.grants.get_mut(&serial).unwrap();
         let which = usize::from(gate) % grant.tickets.len();
         let (gate, _) = grant.tickets.remove(which);

@@ -16,16 +16,16 @@ use faregate_tickets::ticket::{Issuer, Seat};
 
 use super::lamp::{Hands, Lamp, Platform, Truth};
 
-pub const GATES: usize = 5;
-pub const SEATS: usize = 8;
-pub const SETS: usize = 3;
-pub const ENERGY: Microjoules = Microjoules::new(1_000);
-pub type TestBooks = Books<GATES, SEATS, SETS>;
-pub type Ticket<'w> = faregate_tickets::Ticket<'w, Lamp<'w>, Platform<'w>, Nobody>;
+pub(crate) const GATES: usize = 5;
+pub(crate) const SEATS: usize = 8;
+pub(crate) const SETS: usize = 3;
+pub(crate) const ENERGY: Microjoules = Microjoules::new(1_000);
+pub(crate) type TestBooks = Books<GATES, SEATS, SETS>;
+pub(crate) type Ticket<'w> = faregate_tickets::Ticket<'w, Lamp<'w>, Platform<'w>, Nobody>;
 
 /// Tickets are relinquished by the history, not by being dropped.
 #[derive(Debug)]
-pub struct Nobody;
+pub(crate) struct Nobody;
 
 impl Issuer for Nobody {
     fn relinquish(&self, _: &Seat<'_>, _: u32) {}
@@ -33,9 +33,9 @@ impl Issuer for Nobody {
 
 /// What a world is made of, printed with one part on a line.
 #[derive(Clone)]
-pub struct Setup {
-    pub agents: Vec<Rules>,
-    pub devices: Vec<Declared>,
+pub(crate) struct Setup {
+    pub(crate) agents: Vec<Rules>,
+    pub(crate) devices: Vec<Declared>,
 }
 
 impl std::fmt::Debug for Setup {
@@ -46,22 +46,22 @@ impl std::fmt::Debug for Setup {
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Rules {
-    pub exclusive: bool,
-    pub supply: Option<u64>,
-    pub categories: bool,
-    pub energy: bool,
+pub(crate) struct Rules {
+    pub(crate) exclusive: bool,
+    pub(crate) supply: Option<u64>,
+    pub(crate) categories: bool,
+    pub(crate) energy: bool,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Declared {
-    pub agent: u8,
-    pub draw: u64,
-    pub categories: u8,
-    pub settling_ms: u64,
-    pub attempts: u8,
-    pub safe_at_once: bool,
-    pub on_at_start: bool,
+pub(crate) struct Declared {
+    pub(crate) agent: u8,
+    pub(crate) draw: u64,
+    pub(crate) categories: u8,
+    pub(crate) settling_ms: u64,
+    pub(crate) attempts: u8,
+    pub(crate) safe_at_once: bool,
+    pub(crate) on_at_start: bool,
 }
 
 impl Rules {
@@ -84,7 +84,7 @@ impl Rules {
 }
 
 impl Declared {
-    pub fn profile(self) -> Profile {
+    pub(crate) fn profile(self) -> Profile {
         let mut profile = Profile::new().drawing(Milliwatts::new(self.draw));
         profile.settling = Duration::from_millis(self.settling_ms);
         profile.estimate_lag = Duration::from_millis(10);
@@ -97,17 +97,17 @@ impl Declared {
 }
 
 /// What does not move while the world does.
-pub struct Ground {
-    pub setup: Setup,
-    pub clock: Hands,
-    pub truths: Vec<Truth>,
-    pub broker: Scope,
-    pub scopes: Vec<Scope>,
-    pub standings: Vec<Standing>,
+pub(crate) struct Ground {
+    pub(crate) setup: Setup,
+    pub(crate) clock: Hands,
+    pub(crate) truths: Vec<Truth>,
+    pub(crate) broker: Scope,
+    pub(crate) scopes: Vec<Scope>,
+    pub(crate) standings: Vec<Standing>,
 }
 
 impl Ground {
-    pub fn new(setup: Setup) -> Self {
+    pub(crate) fn new(setup: Setup) -> Self {
         let truths = setup.devices.iter().map(|it| Truth::new(it.profile(), it.on_at_start));
         Self {
             clock: Hands::default(),
@@ -119,7 +119,7 @@ impl Ground {
         }
     }
 
-    pub fn gates(&self) -> Vec<Gate<'_, Lamp<'_>, Platform<'_>>> {
+    pub(crate) fn gates(&self) -> Vec<Gate<'_, Lamp<'_>, Platform<'_>>> {
         let lamp = |truth| Lamp { truth, clock: &self.clock };
         self.truths.iter().map(|truth| Gate::new(lamp(truth), &self.clock, NoLane)).collect()
     }
@@ -127,54 +127,57 @@ impl Ground {
 
 /// A grant as we know it.
 #[derive(Debug)]
-pub struct Granted<'w> {
-    pub id: TicketId,
-    pub priority: u8,
-    pub arrival: u64,
-    pub barred: bool,
-    pub resting: bool,
-    pub exempt: bool,
-    pub has_budget: bool,
+pub(crate) struct Granted<'w> {
+    pub(crate) id: TicketId,
+    pub(crate) priority: u8,
+    pub(crate) arrival: u64,
+    pub(crate) barred: bool,
+    pub(crate) resting: bool,
+    pub(crate) exempt: bool,
+    pub(crate) has_budget: bool,
     /// Where one gate was asked for with a limit on use.
-    pub on_commands_left: Option<(GateId, u32)>,
-    pub tickets: Vec<(GateId, Ticket<'w>)>,
+    pub(crate) on_commands_left: Option<(GateId, u32)>,
+    pub(crate) tickets: Vec<(GateId, Ticket<'w>)>,
 }
 
 impl Granted<'_> {
-    pub fn gates(&self) -> impl Iterator<Item = usize> {
+    pub(crate) fn gates(&self) -> impl Iterator<Item = usize> {
         self.tickets.iter().map(|(gate, _)| usize::from(gate.0))
     }
 }
 
-pub struct World<'w> {
-    pub ground: &'w Ground,
-    pub keys: Vec<Key<'w>>,
+pub(crate) struct World<'w> {
+    pub(crate) ground: &'w Ground,
+    pub(crate) keys: Vec<Key<'w>>,
     handles: Vec<Handle<'w, Lamp<'w>, Platform<'w>>>,
-    pub books: TestBooks,
-    pub bars_seen: usize,
-    pub noticed: Vec<Seen>,
-    pub grants: BTreeMap<usize, Granted<'w>>,
-    pub arrivals: u64,
-    pub supply: Vec<u64>,
+    pub(crate) books: TestBooks,
+    pub(crate) bars_seen: usize,
+    pub(crate) noticed: Vec<Seen>,
+    pub(crate) grants: BTreeMap<usize, Granted<'w>>,
+    pub(crate) arrivals: u64,
+    pub(crate) supply: Vec<u64>,
     /// By our own account: nobody can free these.
-    pub stuck: Vec<bool>,
-    pub faults: Vec<bool>,
+    pub(crate) stuck: Vec<bool>,
+    pub(crate) faults: Vec<bool>,
     /// Measured, and not reported yet.
-    pub late_estimates: Vec<(GateId, Estimate)>,
+    pub(crate) late_estimates: Vec<(GateId, Estimate)>,
     /// Done, and not reported yet.
-    pub unreported: Vec<Done>,
+    pub(crate) unreported: Vec<Done>,
     /// Offered once, and not done then.
-    pub late_work: Vec<Work>,
-    pub budget_used: bool,
+    pub(crate) late_work: Vec<Work>,
+    pub(crate) budget_used: bool,
     /// A sensor shows on what nobody was given.
-    pub unbidden_seen: bool,
+    pub(crate) unbidden_seen: bool,
     /// Charges, as they were after the last step.
-    pub charged: Vec<u64>,
-    pub changes: usize,
+    pub(crate) charged: Vec<u64>,
+    pub(crate) changes: usize,
 }
 
 impl<'w> World<'w> {
-    pub fn new(ground: &'w Ground, gates: &'w mut [Gate<'w, Lamp<'w>, Platform<'w>>]) -> Self {
+    pub(crate) fn new(
+        ground: &'w Ground,
+        gates: &'w mut [Gate<'w, Lamp<'w>, Platform<'w>>],
+    ) -> Self {
         let mut books = TestBooks::new(Instant::START);
         for rules in &ground.setup.agents {
             books.add_agent(rules.policy()).unwrap();
@@ -216,39 +219,39 @@ impl<'w> World<'w> {
         world
     }
 
-    pub fn now(&self) -> Instant {
+    pub(crate) fn now(&self) -> Instant {
         self.ground.clock.now()
     }
 
-    pub fn gate_ids(&self) -> impl Iterator<Item = GateId> + use<> {
+    pub(crate) fn gate_ids(&self) -> impl Iterator<Item = GateId> + use<> {
         (0..self.ground.truths.len()).map(|gate| GateId(u8::try_from(gate).unwrap()))
     }
 
-    pub fn declared(&self, gate: usize) -> &'w Declared {
+    pub(crate) fn declared(&self, gate: usize) -> &'w Declared {
         &self.ground.setup.devices[gate]
     }
 
-    pub fn rules(&self, agent: usize) -> &'w Rules {
+    pub(crate) fn rules(&self, agent: usize) -> &'w Rules {
         &self.ground.setup.agents[agent]
     }
 
     /// The broker's epoch and floor, then the agents'.
-    pub fn scopes(&self) -> Vec<Seen> {
+    pub(crate) fn scopes(&self) -> Vec<Seen> {
         let scopes = std::iter::once(&self.ground.broker).chain(&self.ground.scopes);
         scopes.map(Scope::read).collect()
     }
 
-    pub fn charges(&self) -> Vec<u64> {
+    pub(crate) fn charges(&self) -> Vec<u64> {
         let agents = 0..u8::try_from(self.ground.setup.agents.len()).unwrap();
         agents.map(|agent| self.books.charged(agent).get()).collect()
     }
 
     /// Whether supervisors have done something that the books do not know.
-    pub fn is_noticed(&self) -> bool {
+    pub(crate) fn is_noticed(&self) -> bool {
         self.bars_seen == self.ground.broker.bars() && self.noticed == self.scopes()
     }
 
-    pub fn ticket(&self, id: TicketId, gate: GateId) -> Ticket<'w> {
+    pub(crate) fn ticket(&self, id: TicketId, gate: GateId) -> Ticket<'w> {
         let number = usize::from(gate.0);
         let seat = Seat {
             id,
@@ -261,12 +264,12 @@ impl<'w> World<'w> {
     }
 
     /// The grant that a number picks, if there is any.
-    pub fn pick(&self, number: u8) -> Option<usize> {
+    pub(crate) fn pick(&self, number: u8) -> Option<usize> {
         let serials: Vec<_> = self.grants.keys().copied().collect();
         (!serials.is_empty()).then(|| serials[usize::from(number) % serials.len()])
     }
 
-    pub fn priority(level: u8) -> Priority {
+    pub(crate) fn priority(level: u8) -> Priority {
         Priority::new(level)
     }
 }
