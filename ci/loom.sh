@@ -48,8 +48,8 @@ all_models() {
         cat target/loom/models.log
         return 1
     }
-    sed -n 's/^\(test .* \.\.\. \)\{0,1\}model \(.*\): \(.*\) executions$/\2 \3/p' \
-        target/loom/models.log | sort | awk '{ printf "%-32s %9d executions\n", $1, $2 }'
+    grep -o 'model [a-z_]*: [0-9]* executions' target/loom/models.log | tr -d : | sort |
+        awk '{ printf "%-32s %9d executions\n", $2, $3 }'
 }
 
 # Only the claim counts: a mutant that does not build, or fails a floor or
@@ -71,7 +71,9 @@ if [[ ${1:-} == --help ]]; then
     exit
 fi
 mkdir -p target/loom
-[[ $# -gt 0 ]] || all_models
+if [[ $# -eq 0 ]]; then
+    all_models
+fi
 survivors=0
 while IFS='|' read -r feature model claim; do
     read -r feature <<<"$feature"

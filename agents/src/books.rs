@@ -23,6 +23,7 @@ use faregate_tickets::device::{Estimate, Profile};
 use faregate_tickets::id::{GateId, TicketId};
 use faregate_tickets::scope::Seen;
 use faregate_tickets::standing::Why;
+use faregate_tickets::ticket::Holder;
 
 use crate::limits::{MAX_AGENTS, MAX_GATES, MAX_SEATS};
 use crate::policy::{Categories, Policy};
@@ -83,6 +84,8 @@ pub enum Event {
         ticket: TicketId,
         /// Which gate of it.
         gate: GateId,
+        /// What became of its holder.
+        holder: Holder,
     },
     /// A supervisor barred the grant in this seat.
     Barred {
@@ -242,9 +245,9 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     ///
     /// # Timing
     /// Constant in the tickets and the gates of others.
-    pub fn relinquished(&mut self, ticket: TicketId, gate: GateId) -> Actions {
+    pub fn relinquished(&mut self, ticket: TicketId, gate: GateId, holder: Holder) -> Actions {
         let mut actions = Actions::default();
-        self.relinquish(ticket, gate, &mut actions);
+        self.relinquish(ticket, gate, holder, &mut actions);
         actions
     }
 
@@ -254,7 +257,9 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
             Event::Noticed { broker, agents, survivors } => {
                 self.notice(broker, &agents, survivors, actions);
             }
-            Event::Relinquished { ticket, gate } => self.relinquish(ticket, gate, actions),
+            Event::Relinquished { ticket, gate, holder } => {
+                self.relinquish(ticket, gate, holder, actions);
+            }
             Event::Barred { seat, epoch } => self.bar(seat, epoch, actions),
             Event::HitByStaleBar { seat, epoch } => self.hit_by_stale_bar(seat, epoch),
             Event::Reinstated(ticket) => self.reinstate(ticket),

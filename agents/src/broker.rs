@@ -22,7 +22,7 @@ use faregate_tickets::platform::Platform;
 use faregate_tickets::recorder::{Lane, Record, RecordedEvent};
 use faregate_tickets::scope::Scope;
 use faregate_tickets::standing::Standing;
-use faregate_tickets::ticket::{Issuer, Seat};
+use faregate_tickets::ticket::{Holder, Issuer, Seat};
 
 use crate::books::{Actions, Books, DeviceReport, Event, Noted};
 use crate::limits::MAX_AGENTS;
@@ -275,7 +275,7 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
 impl<P: Platform, N: Notify, const G: usize, const T: usize, const S: usize> Issuer
     for Broker<'_, P, N, G, T, S>
 {
-    fn relinquish(&self, seat: &Seat<'_>, refused: u32) {
+    fn relinquish(&self, seat: &Seat<'_>, refused: u32, holder: Holder) {
         // Only tickets made here point to this scope.
         if !core::ptr::eq(seat.broker, &self.scope) {
             return;
@@ -291,7 +291,7 @@ impl<P: Platform, N: Notify, const G: usize, const T: usize, const S: usize> Iss
                 ));
             }
             ledger.lane.record(Record::of(now, ticket, RecordedEvent::Relinquished));
-            let actions = ledger.books.relinquished(ticket, gate);
+            let actions = ledger.books.relinquished(ticket, gate, holder);
             self.carry_out(ledger, now, &actions);
         });
         self.notify.service_due();

@@ -406,7 +406,7 @@ impl Model for Clients {
                 let Holder::Holds { ticket, .. } = world.holders[client] else { return None };
                 for gate in CLIENTS[client].gates {
                     let gate = GateId(u8::try_from(*gate).unwrap());
-                    let actions = world.books.relinquished(ticket, gate);
+                    let actions = world.books.relinquished(ticket, gate, faregate_tickets::ticket::Holder::Lives);
                     world.carry_out(&actions);
                 }
                 world.feed(Event::Tick(Instant::START));

@@ -20,6 +20,10 @@ impl Containment for Caught {
     /// Free while nothing panics. A panic costs an allocation, the unwinding,
     /// and whatever the program's hook does (the standard one writes to
     /// `stderr`): a mission that needs a bound here sets its own hook.
+    fn is_unwinding() -> bool {
+        std::thread::panicking()
+    }
+
     fn contain<R>(f: impl FnOnce() -> R) -> Result<R, Panicked> {
         // What `f` was changing may be torn. Nobody will look at it as if it
         // were whole: that is what `Panicked` tells the gate, which is faulted

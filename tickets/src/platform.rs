@@ -32,6 +32,13 @@ pub trait Containment {
     /// # Errors
     /// [`Panicked`].
     fn contain<R>(f: impl FnOnce() -> R) -> Result<R, Panicked>;
+
+    /// Whether the calling thread is unwinding: a ticket dropped then had a
+    /// holder that died, and did not give it back of its own will.
+    #[must_use]
+    fn is_unwinding() -> bool {
+        false
+    }
 }
 
 /// No containment: a driver must not panic. If it does and the panic unwinds,

@@ -6,7 +6,7 @@ use core::fmt;
 use crate::device::Device;
 use crate::gate::Gate;
 use crate::id::{GateId, Priority, TicketId};
-use crate::platform::Platform;
+use crate::platform::{Containment, Platform};
 use crate::refusal::{InvokeError, Refusal};
 use crate::scope::Scope;
 use crate::standing::Standing;
@@ -22,7 +22,16 @@ pub trait Issuer: Sync {
     /// # Timing
     /// Constant: called from `Drop`, so it unlinks and marks, and leaves the
     /// device to the next service.
-    fn relinquish(&self, seat: &Seat<'_>, refused: u32);
+    fn relinquish(&self, seat: &Seat<'_>, refused: u32, holder: Holder);
+}
+
+/// What became of the holder of a ticket that is given back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Holder {
+    /// It gave the ticket back of its own will.
+    Lives,
+    /// It is unwinding. Its device is made safe at once.
+    Died,
 }
 
 /// Where a ticket's validity is decided: its grant's standing, and the scopes
@@ -213,7 +222,9 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
 
 impl<D: Device, P: Platform, A: Issuer> Drop for Ticket<'_, D, P, A> {
     fn drop(&mut self) {
-        self.issuer.relinquish(&self.seat, self.refused.get());
+        let died = P::Containment::is_unwinding();
+        let holder = if died { Holder::Died } else { Holder::Lives };
+        self.issuer.relinquish(&self.seat, self.refused.get(), holder);
     }
 }
 

@@ -3,7 +3,7 @@
 use faregate_tickets::clock::Instant;
 use faregate_tickets::device::{Estimate, Profile, WhenOrphaned};
 use faregate_tickets::fault::GateFault;
-use faregate_tickets::id::GateId;
+use faregate_tickets::id::{GateId, TicketId};
 use faregate_tickets::validity::Validity;
 
 use crate::policy::Categories;
@@ -58,6 +58,12 @@ pub(crate) enum LastUser {
         serial: usize,
         validity: Validity,
     },
+}
+
+impl From<TicketId> for LastUser {
+    fn from(ticket: TicketId) -> Self {
+        Self::Grant { seat: ticket.seat, serial: ticket.serial }
+    }
 }
 
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]

@@ -3,6 +3,7 @@
 use faregate_tickets::amount::{Microjoules, Milligrams, Milliwatts};
 use faregate_tickets::id::{GateId, Priority, TicketId};
 use faregate_tickets::standing::Why;
+use faregate_tickets::ticket::Holder;
 use faregate_tickets::validity::{Function, Validity};
 
 use crate::limits::{MAX_AGENTS, MAX_SET_GATES};
@@ -255,11 +256,21 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         members.iter_mut().find(|(member, _)| *member == gate).map(|(_, validity)| validity)
     }
 
-    pub(super) fn relinquish(&mut self, ticket: TicketId, gate: GateId, actions: &mut Actions) {
+    pub(super) fn relinquish(
+        &mut self,
+        ticket: TicketId,
+        gate: GateId,
+        holder: Holder,
+        actions: &mut Actions,
+    ) {
         let Some(grant) = self.grant_of(ticket).filter(|grant| grant.gates & bit(gate) != 0) else {
             return;
         };
-        if grant.gates == bit(gate) {
+        let (only, used) = (grant.gates == bit(gate), LastUser::from(ticket));
+        if let Some(device) = self.device_mut(gate).filter(|device| device.last_user == used) {
+            device.must_safe |= holder == Holder::Died && device.phase != Phase::Off;
+        }
+        if only {
             self.end(ticket.seat, actions);
         } else {
             self.give_up_gate(ticket.seat, gate, actions);

@@ -1,6 +1,6 @@
 //! A bench of lamps: devices whose truth the test sets, on a clock whose hands
 //! the test moves, with a flight recorder that the test can read.
-#![allow(dead_code, reason = "each promise uses its own part of the bench")]
+#![allow(dead_code, unused_imports, reason = "each promise uses its own part of the bench")]
 
 mod lamp;
 mod tape;

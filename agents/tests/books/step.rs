@@ -342,7 +342,7 @@ impl World<'_> {
         let (gate, _) = grant.tickets.remove(which);
         let id = grant.id;
         let over = grant.tickets.is_empty();
-        let actions = self.books.relinquished(id, gate);
+        let actions = self.books.relinquished(id, gate, faregate_tickets::ticket::Holder::Lives);
         assert_eq!(over, actions.ended.contains(&id), "over with its last ticket");
         self.carry_out(&actions);
     }

@@ -4,7 +4,7 @@ use bench::Switch;
 use faregate_tickets::id::Priority;
 use faregate_tickets::scope::Scope;
 use faregate_tickets::standing::Standing;
-use faregate_tickets::ticket::{Issuer, Seat};
+use faregate_tickets::ticket::{Holder, Issuer, Seat};
 
 fn main() {
     let mut gate = bench::gate();
@@ -15,7 +15,7 @@ fn main() {
     let (standing, scope) = (Standing::new(), Scope::new());
     let (id, gate) = (ticket.id(), lamp.gate());
     let made_up = Seat { id, gate, standing: &standing, agent: &scope, broker: &scope };
-    broker.relinquish(&made_up, 0);
+    broker.relinquish(&made_up, 0, Holder::Lives);
     broker.service();
     assert_eq!(ticket.invoke(Switch::On), Ok(true));
 }
