@@ -20,6 +20,7 @@ mod seats;
 use faregate_tickets::amount::{Microjoules, Milligrams, Milliwatts};
 use faregate_tickets::clock::Instant;
 use faregate_tickets::device::{Estimate, Profile};
+use faregate_tickets::fault::GateFault;
 use faregate_tickets::id::{GateId, TicketId};
 use faregate_tickets::scope::Seen;
 use faregate_tickets::standing::Why;
@@ -122,7 +123,7 @@ pub enum Event {
         ends_ticket: bool,
     },
     /// The gates' faults, as they are now.
-    Faults([Option<faregate_tickets::fault::GateFault>; MAX_GATES]),
+    Faults([Option<GateFault>; MAX_GATES]),
     /// A supervisor reset a faulted gate.
     Reset(GateId),
     /// A piece of work was done, or could not be.
@@ -152,6 +153,8 @@ pub enum Noted {
     SeenOff(GateId),
     /// Made safe as often as declared, and not seen off.
     Stuck(GateId),
+    /// Its gate became faulted.
+    Faulted(GateId, GateFault),
 }
 
 /// Each revoked grant has a gate, but for the one that the event itself names.
@@ -268,7 +271,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
             Event::RanOut { gate, serial, ends_ticket } => {
                 self.run_out(gate, serial, ends_ticket, actions);
             }
-            Event::Faults(faults) => self.notice_faults(&faults),
+            Event::Faults(faults) => self.notice_faults(&faults, actions),
             Event::Reset(gate) => self.reset(gate),
             Event::Done(done) => self.done(done, actions),
         }

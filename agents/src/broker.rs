@@ -40,6 +40,8 @@ pub use supervise::{NotYours, Quiescent, Revoked, Supervisor};
 pub struct Broker<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize> {
     tag: usize,
     keys: heapless::Vec<Key<'g>, G>,
+    /// The agent of each gate, by number.
+    agents_of_gates: heapless::Vec<u8, G>,
     scope: Scope,
     agents: [Scope; MAX_AGENTS],
     standings: [Standing; T],
@@ -91,6 +93,7 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
         Self {
             tag: next_tag(),
             keys: heapless::Vec::new(),
+            agents_of_gates: heapless::Vec::new(),
             scope: Scope::new(),
             agents: core::array::from_fn(|_| Scope::new()),
             standings: core::array::from_fn(|_| Standing::new()),
@@ -144,6 +147,7 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
         });
         let gate = added.flatten().ok_or(RegisterError::NoCapacity)?;
         self.keys.push(key).map_err(|_| RegisterError::NoCapacity)?;
+        self.agents_of_gates.push(agent.number).map_err(|_| RegisterError::NoCapacity)?;
         Ok(Handle::new(self.tag, gate, agent.number, handle))
     }
 
@@ -153,25 +157,6 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
     /// One step of the books; what follows from it is for the next service.
     pub fn observe(&self, gate: GateId, estimate: Estimate) {
         self.tell(Event::Observed(gate, estimate));
-    }
-
-    /// The agent's supply is this from now on. One that falls takes victims at
-    /// once.
-    ///
-    /// # Timing
-    /// One step of the books; what follows from it is for the next service.
-    pub fn set_supply(&self, agent: AgentId, supply: Milliwatts) {
-        if agent.tag == self.tag {
-            self.enter(|ledger| {
-                let now = ledger.clock.now();
-                ledger.lane.record(Record {
-                    at: now,
-                    ticket: 0,
-                    event: RecordedEvent::Supply { supply },
-                });
-            });
-            self.tell(Event::Supply { agent: agent.number, supply });
-        }
     }
 
     /// What a ticket waits for; `None` if it waits for nothing.
@@ -256,6 +241,7 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
             let event = match *noted {
                 Noted::SeenOff(gate) => RecordedEvent::SeenOff { gate },
                 Noted::Stuck(gate) => RecordedEvent::Stuck { gate },
+                Noted::Faulted(gate, fault) => RecordedEvent::Faulted { gate, fault },
             };
             lane.record(Record { at: now, ticket: 0, event });
         }

@@ -99,10 +99,10 @@ fn a_victim_without_which_it_still_fits_is_spared() {
 
 #[test]
 fn a_falling_supply_takes_victims_at_once_and_a_rising_one_restores_them() {
-    let (bench, _) = Bench::new(margin(20), &[8, 8]);
+    let (bench, supervisor) = Bench::new(margin(20), &[8, 8]);
     let (high, low) = (bench.ticket(2, 0), bench.ticket(1, 1));
     low.invoke(Switch::On).unwrap();
-    bench.broker.set_supply(bench.agent, watts(10));
+    bench.broker.set_supply(&supervisor, bench.agent, watts(10)).unwrap();
     assert_eq!(low.check(), Err(Refusal::NotValid(Why::SupplyFell)));
     assert_eq!(high.check(), Ok(()));
     assert_eq!(bench.waits(low.id()), Some(Waiting::Margin { short_by: watts(6) }));
@@ -110,19 +110,19 @@ fn a_falling_supply_takes_victims_at_once_and_a_rising_one_restores_them() {
     assert!(!bench.is_on(1));
     assert_eq!(bench.charged(), 8);
 
-    bench.broker.set_supply(bench.agent, watts(16));
+    bench.broker.set_supply(&supervisor, bench.agent, watts(16)).unwrap();
     bench.broker.service();
     assert_eq!(low.invoke(Switch::On), Ok(()));
 }
 
 #[test]
 fn a_supply_that_fell_is_not_blamed_on_one_who_takes_no_margin() {
-    let (bench, _) = Bench::new(margin(10), &[8, 0]);
+    let (bench, supervisor) = Bench::new(margin(10), &[8, 0]);
     let victim = bench.ticket(1, 0);
     let tenant = bench.ticket(1, 1);
     let next = bench.broker.request(Priority::EMERGENCY, &bench.lamps[1]).unwrap();
     assert_eq!(tenant.check(), preempted_by(&next, 255));
-    bench.broker.set_supply(bench.agent, watts(5));
+    bench.broker.set_supply(&supervisor, bench.agent, watts(5)).unwrap();
     assert_eq!(victim.check(), Err(Refusal::NotValid(Why::SupplyFell)));
 }
 
@@ -219,14 +219,14 @@ fn exclusion_with_a_margin_waits_for_the_other_device_to_be_seen_off() {
 
 #[test]
 fn a_request_beyond_any_supply_is_refused_with_the_figures() {
-    let (bench, _) = Bench::new(margin(10), &[11]);
+    let (bench, supervisor) = Bench::new(margin(10), &[11]);
     let before = bench.broker.books();
     let refused = bench.broker.request(Priority::EMERGENCY, &bench.lamps[0]).unwrap_err();
     assert_eq!(refused, RequestRefused::OverSupply { draw: watts(11), supply: watts(10) });
     assert_eq!(bench.broker.books(), before);
     // A supply that was larger once can be so again: then it waits.
-    bench.broker.set_supply(bench.agent, watts(11));
-    bench.broker.set_supply(bench.agent, watts(10));
+    bench.broker.set_supply(&supervisor, bench.agent, watts(11)).unwrap();
+    bench.broker.set_supply(&supervisor, bench.agent, watts(10)).unwrap();
     let waits = bench.ticket(255, 0);
     assert_eq!(bench.waits(waits.id()), Some(Waiting::Margin { short_by: watts(1) }));
 }

@@ -163,6 +163,7 @@ impl World {
             match *noted {
                 Noted::SeenOff(gate) => self.stuck[usize::from(gate.0)] = false,
                 Noted::Stuck(gate) => self.stuck[usize::from(gate.0)] = true,
+                Noted::Faulted(..) => {}
             }
         }
         let ended = actions.ended.iter();
@@ -406,7 +407,11 @@ impl Model for Clients {
                 let Holder::Holds { ticket, .. } = world.holders[client] else { return None };
                 for gate in CLIENTS[client].gates {
                     let gate = GateId(u8::try_from(*gate).unwrap());
-                    let actions = world.books.relinquished(ticket, gate, faregate_tickets::ticket::Holder::Lives);
+                    let actions = world.books.relinquished(
+                        ticket,
+                        gate,
+                        faregate_tickets::ticket::Holder::Lives,
+                    );
                     world.carry_out(&actions);
                 }
                 world.feed(Event::Tick(Instant::START));

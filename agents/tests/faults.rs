@@ -50,7 +50,9 @@ fn another_brokers_agent_gets_no_gate_and_no_supply_here() {
     let (gate, ..) = kit.gate(drawing(8));
     let key = leak::<faregate_tickets::Gate<'static, Lamp, Platform>>(gate).key();
     assert_eq!(kit.broker.register(foreign, key).err(), Some(RegisterError::UnknownAgent));
-    kit.broker.set_supply(foreign, watts(99));
+    let supervisor = kit.broker.supervisor();
+    let refused = kit.broker.set_supply(&supervisor, foreign, watts(99));
+    assert_eq!(refused, Err(NotYours::OtherScope));
     assert_eq!(kit.broker.margin(agent).unwrap().0, watts(10));
 }
 

@@ -124,8 +124,8 @@ fn nothing_allocates_after_construction() {
         let more = broker.extend(&low, &unlimited(1)).unwrap();
         pass(Duration::from_secs(2));
         assert!(low.check().is_err() && more.check().is_err(), "the lease is over");
-        broker.set_supply(agent, bench::watts(15));
-        broker.set_supply(agent, bench::watts(16));
+        broker.set_supply(&supervisor, agent, bench::watts(15)).unwrap();
+        broker.set_supply(&supervisor, agent, bench::watts(16)).unwrap();
     };
     assert_eq!(allocations(everything), 0);
     let seats = broker.books().map(|books| books.free_seats());

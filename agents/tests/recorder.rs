@@ -155,10 +155,10 @@ fn what_a_supervisor_does_is_recorded_and_whom_it_hits() {
 
 #[test]
 fn limits_that_run_out_and_supplies_that_change_are_recorded() {
-    let (bench, _) = Bench::new(margin(10), &[8]);
+    let (bench, supervisor) = Bench::new(margin(10), &[8]);
     let ticket = bench.ticket(1, 0);
     bench.tape.rewind();
-    bench.broker.set_supply(bench.agent, watts(9));
+    bench.broker.set_supply(&supervisor, bench.agent, watts(9)).unwrap();
     bench.clock.advance(Duration::from_secs(1));
     bench.broker.service();
     assert_eq!(bench.tape.events_of(0), [Event::Supply { supply: watts(9) }]);

@@ -121,7 +121,7 @@ impl Lane for WatchLane {
             RecordedEvent::Revoked(_) | RecordedEvent::Ended => {
                 self.watch.revocations.fetch_add(1, Ordering::SeqCst);
             }
-            RecordedEvent::Stuck { .. } | RecordedEvent::Closed(GateFault::Hung) => {
+            RecordedEvent::Stuck { .. } | RecordedEvent::Faulted { fault: GateFault::Hung, .. } => {
                 self.watch.rounds.fetch_add(1, Ordering::SeqCst);
             }
             RecordedEvent::Vacated { .. } => self.vacated(record.at),
@@ -153,8 +153,8 @@ impl WatchLane {
             RecordedEvent::Safed { attempt } => {
                 format!("issues the safing command of the {} (attempt {attempt})", self.device)
             }
-            RecordedEvent::Closed(fault) => {
-                format!("the gate of the {} is faulted: {fault}", self.device)
+            RecordedEvent::Faulted { gate, fault } => {
+                format!("the gate of the {} is faulted: {fault}", name(gate))
             }
             _ => return,
         };

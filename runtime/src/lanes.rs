@@ -165,7 +165,7 @@ impl fmt::Display for Lost<'_> {
 fn severity(event: &RecordedEvent) -> Level {
     use RecordedEvent::*;
     match event {
-        Closed(_) | Stuck { .. } => Level::ERROR,
+        Closed(_) | Faulted { .. } | Stuck { .. } => Level::ERROR,
         SafeMode { .. } | ClockWentBack => Level::WARN,
         Issued { .. } | Admitted { .. } | Vacated { .. } => Level::DEBUG,
         Requested { .. } | Relinquished | SeenOff { .. } => Level::DEBUG,

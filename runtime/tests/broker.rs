@@ -168,6 +168,24 @@ fn a_holder_that_panics_gives_its_ticket_back() {
 }
 
 #[test]
+fn a_holder_that_panics_leaves_no_device_on() {
+    let bench = bench();
+    let Bench { broker, lamps, truths, .. } = &bench;
+    let ticket = broker.request(Priority::EMERGENCY, &lamps[0]).unwrap();
+    broker.wait(&ticket, LONG).unwrap();
+    ticket.invoke(Switch::On).unwrap();
+    let holder = thread::spawn(move || {
+        let _mine = ticket;
+        std::panic::resume_unwind(Box::new("scripted"));
+    });
+    assert!(holder.join().is_err());
+    // Nobody needs what it draws: it goes off because its holder died.
+    while truths[0].load(Ordering::SeqCst) {
+        thread::yield_now();
+    }
+}
+
+#[test]
 fn a_driver_that_panics_is_contained_and_closes_its_gate() {
     let bench = bench();
     let Bench { broker, lamps, .. } = &bench;

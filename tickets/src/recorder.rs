@@ -98,6 +98,13 @@ pub enum RecordedEvent {
         /// Its gate.
         gate: GateId,
     },
+    /// The gate became faulted, as its agent noticed.
+    Faulted {
+        /// Which gate.
+        gate: GateId,
+        /// Why.
+        fault: GateFault,
+    },
     /// The supply changed.
     Supply {
         /// To this much.

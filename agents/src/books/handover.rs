@@ -143,8 +143,9 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     pub fn work(&self) -> Result<Work, Option<Instant>> {
         self.each(Self::vacating)
             .or_else(|| self.each(Self::safing))
-            .or_else(|| self.each(Self::telling))
+            .or_else(|| self.each(Self::telling_empty))
             .or_else(|| self.each(Self::admitting))
+            .or_else(|| self.each(Self::telling_held))
             .ok_or_else(|| self.due())
     }
 
@@ -175,9 +176,17 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         })
     }
 
+    fn telling_empty(&self, gate: GateId, device: &DeviceBook) -> Option<Work> {
+        self.telling(gate, device).filter(|_| device.phase == Phase::Off)
+    }
+
+    /// Last of all: a command may be in progress there.
+    fn telling_held(&self, gate: GateId, device: &DeviceBook) -> Option<Work> {
+        self.telling(gate, device).filter(|_| device.phase == Phase::Held)
+    }
+
     fn telling(&self, gate: GateId, device: &DeviceBook) -> Option<Work> {
-        let known = matches!(device.phase, Phase::Off | Phase::Held);
-        let at = device.tell_off.filter(|_| known)?;
+        let at = device.tell_off?;
         Some(Work::SeenOff { gate, tenure: device.tenure, at, timeout: device.profile.patience() })
     }
 

@@ -9,7 +9,7 @@ use faregate_tickets::standing::Why;
 use crate::limits::{MAX_AGENTS, MAX_GATES};
 
 use super::device::Phase;
-use super::{Actions, Books, bit};
+use super::{Actions, Books, Noted, bit};
 
 impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     /// Everything granted under an epoch that has ended is revoked; all devices
@@ -79,11 +79,16 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         }
     }
 
-    pub(super) fn notice_faults(&mut self, faults: &[Option<GateFault>; MAX_GATES]) {
-        for (device, fault) in self.devices.iter_mut().zip(faults) {
-            if device.fault.is_none() && fault.is_some() {
+    pub(super) fn notice_faults(
+        &mut self,
+        faults: &[Option<GateFault>; MAX_GATES],
+        actions: &mut Actions,
+    ) {
+        for ((number, device), fault) in (0..).zip(&mut self.devices).zip(faults) {
+            if let (None, Some(fault)) = (device.fault, *fault) {
                 // What the driver did last is not known.
                 device.must_safe |= device.phase != Phase::Off;
+                let _ = actions.noted.push(Noted::Faulted(GateId(number), fault));
             }
             device.fault = *fault;
         }

@@ -2,6 +2,7 @@
 
 use core::fmt;
 
+use faregate_tickets::amount::Milliwatts;
 use faregate_tickets::clock::Clock;
 use faregate_tickets::device::Device;
 use faregate_tickets::gate::{Blocked, Key};
@@ -52,6 +53,10 @@ impl core::error::Error for NotYours {}
 #[must_use = "a command admitted before may still be in progress: `quiesce` waits for it"]
 pub struct Revoked<'b> {
     keys: &'b [Key<'b>],
+    /// The agent of each gate.
+    agents_of_gates: &'b [u8],
+    /// The agents concerned, one bit each.
+    agents: usize,
 }
 
 /// No command of what was revoked is in progress, and everything it did is
@@ -60,7 +65,7 @@ pub struct Revoked<'b> {
 pub struct Quiescent(());
 
 impl Revoked<'_> {
-    /// Passes once through each gate of the scope.
+    /// Passes once through each gate of the agents concerned.
     ///
     /// # Errors
     /// The first gate whose command in progress did not come back in time; it
@@ -70,7 +75,10 @@ impl Revoked<'_> {
     /// One command in progress for each gate, with priority inheritance where
     /// the gate's strategy has it.
     pub fn quiesce(self) -> Result<Quiescent, (GateId, Blocked)> {
-        for (number, key) in (0..).zip(self.keys) {
+        for ((number, key), agent) in (0..).zip(self.keys).zip(self.agents_of_gates) {
+            if self.agents & (1 << agent) == 0 {
+                continue;
+            }
             let patience = key.profile().patience();
             key.pass(patience).map_err(|blocked| (GateId(number), blocked))?;
         }
@@ -115,10 +123,12 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
     /// # Timing
     /// Constant: three atomic writes; nobody can delay it.
     pub fn bar(&self, supervisor: &Supervisor, ticket: TicketId) -> Result<Revoked<'_>, NotYours> {
-        self.standing_of(supervisor, ticket)?.bar(ticket.serial);
+        let standing = self.standing_of(supervisor, ticket)?;
+        let agents = standing.agents();
+        standing.bar(ticket.serial);
         self.scope.note_bar();
         self.notify.service_due();
-        Ok(Revoked { keys: &self.keys })
+        Ok(self.revoked(agents))
     }
 
     /// Puts a barred ticket back in line, behind those who came meanwhile.
@@ -154,7 +164,7 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
     ) -> Result<Revoked<'_>, NotYours> {
         self.scope_of(supervisor)?.enter_safe_mode(floor);
         self.notify.service_due();
-        Ok(Revoked { keys: &self.keys })
+        Ok(self.revoked(supervisor.agent.map_or(usize::MAX, |agent| 1 << agent)))
     }
 
     /// Leaves safe mode: tickets are restored in their order.
@@ -189,7 +199,31 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
         let scope = self.scope_of(supervisor)?;
         let exempt = ticket.revoke_all_but_me(scope, floor);
         self.notify.service_due();
-        Ok((exempt, Revoked { keys: &self.keys }))
+        Ok((exempt, self.revoked(usize::MAX)))
+    }
+
+    /// The agent's supply is this from now on. One that falls takes victims at
+    /// once, which is why it takes a supervisor to say so.
+    ///
+    /// # Errors
+    /// [`NotYours::OtherScope`].
+    ///
+    /// # Timing
+    /// One step of the books; what follows from it is for the next service.
+    pub fn set_supply(
+        &self,
+        supervisor: &Supervisor,
+        agent: AgentId,
+        supply: Milliwatts,
+    ) -> Result<(), NotYours> {
+        self.scope_of(supervisor)?;
+        let theirs = supervisor.agent.is_none_or(|number| number == agent.number);
+        if agent.tag != self.tag || !theirs {
+            return Err(NotYours::OtherScope);
+        }
+        self.order(RecordedEvent::Supply { supply }, 0);
+        self.tell(Event::Supply { agent: agent.number, supply });
+        Ok(())
     }
 
     /// Takes a faulted gate back into use: its driver may be called again, and
@@ -224,6 +258,10 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
             return Err(NotYours::OtherScope);
         }
         Ok(standing)
+    }
+
+    fn revoked(&self, agents: usize) -> Revoked<'_> {
+        Revoked { keys: &self.keys, agents_of_gates: &self.agents_of_gates, agents }
     }
 
     fn scope_of(&self, supervisor: &Supervisor) -> Result<&Scope, NotYours> {

@@ -61,7 +61,8 @@ fn taken_in_vain() {
         let flight = Flight::new(16, [8, 8]);
         let science = flight.granted(Priority::SCIENCE, 0);
         let falling = spawn(|| {
-            flight.broker.set_supply(flight.agent, Milliwatts::from_watts(10));
+            let ten = Milliwatts::from_watts(10);
+            let _ = flight.broker.set_supply(&flight.supervisor, flight.agent, ten);
             flight.broker.service();
         });
         let emergency = both(flight, Priority::EMERGENCY, [0, 1]);

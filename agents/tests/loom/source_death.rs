@@ -18,8 +18,7 @@ fn death_in_a_command() {
         let camera = flight.granted(Priority::SCIENCE, 0);
         let dying = spawn(move || {
             // The ticket goes with the thread.
-            let died = camera.invoke(Switch::Die) == Err(InvokeError::Panicked);
-            died
+            camera.invoke(Switch::Die) == Err(InvokeError::Panicked)
         });
         let emergency = flight.request(Priority::EMERGENCY, 1);
         flight.pass();
