@@ -45,6 +45,7 @@ impl World<'_> {
             match *noted {
                 Noted::SeenOff(gate) => self.stuck[usize::from(gate.0)] = false,
                 Noted::Stuck(gate) => self.stuck[usize::from(gate.0)] = true,
+                Noted::Faulted(..) => {}
             }
         }
         self.check_reasons(actions);
