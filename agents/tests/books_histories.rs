@@ -29,17 +29,10 @@ fn rules() -> impl Strategy<Value = Rules> {
 fn declared() -> impl Strategy<Value = Declared> {
     let draw = prop_oneof![1 => Just(0_u64), 6 => 2..8_u64];
     let categories = prop_oneof![3 => Just(0_u8), 1 => 1..4_u8];
-    (0..2_u8, draw, categories, 0..4_u64, 1..3_u8, any::<bool>(), any::<bool>()).prop_map(
-        |(agent, draw, categories, settling_ms, attempts, safe_at_once, on_at_start)| Declared {
-            agent,
-            draw,
-            categories,
-            settling_ms,
-            attempts,
-            safe_at_once,
-            on_at_start,
-        },
-    )
+    (0..2_u8, draw, categories, 0..6_u64, 1..3_u8, any::<bool>(), prop::bool::weighted(0.2))
+        .prop_map(|(agent, draw, categories, settling_ms, attempts, safe_at_once, on_at_start)| {
+            Declared { agent, draw, categories, settling_ms, attempts, safe_at_once, on_at_start }
+        })
 }
 
 fn setup() -> impl Strategy<Value = Setup> {
@@ -103,11 +96,19 @@ fn ordered() -> impl Strategy<Value = Step> {
 /// What devices and sensors do.
 fn suffered() -> impl Strategy<Value = Step> {
     let any = any::<u8>;
-    let words = prop::sample::select(vec![Word::Prompt, Word::Prompt, Word::Late, Word::Unknown]);
+    let words = prop::sample::select(vec![
+        Word::Prompt,
+        Word::Prompt,
+        Word::Late,
+        Word::Late,
+        Word::Unknown,
+    ]);
     prop_oneof![
-        4 => (0..20_u8).prop_map(|ms| Step::Pass { ms }),
-        6 => (any(), words).prop_map(|(gate, word)| Step::Measure { gate, word }),
-        1 => any().prop_map(|which| Step::LateEstimate { which }),
+        4 => (0..4_u8).prop_map(|ms| Step::Pass { ms }),
+        2 => (4..20_u8).prop_map(|ms| Step::Pass { ms }),
+        4 => (any(), words.clone()).prop_map(|(gate, word)| Step::Measure { gate, word }),
+        2 => words.prop_map(|word| Step::MeasureAll { word }),
+        3 => any().prop_map(|which| Step::LateEstimate { which }),
         1 => (any(), 1..4_u8).prop_map(|(gate, times)| Step::Deaf { gate, times }),
         1 => (any(), prop::bool::weighted(0.3)).prop_map(|(gate, hung)| Step::Hang { gate, hung }),
         1 => any().prop_map(|ticket| Step::DriverFault { ticket }),
@@ -119,11 +120,11 @@ fn suffered() -> impl Strategy<Value = Step> {
 /// What the shell does.
 fn served() -> impl Strategy<Value = Step> {
     prop_oneof![
-        2 => Just(Step::Look),
-        6 => how().prop_map(|how| Step::Work { how }),
+        4 => Just(Step::Look),
+        12 => how().prop_map(|how| Step::Work { how }),
         1 => any::<u8>().prop_map(|which| Step::Report { which }),
         1 => (any::<u8>(), how()).prop_map(|(which, how)| Step::LateWork { which, how }),
-        4 => Just(Step::Service),
+        6 => Just(Step::Service),
         1 => Just(Step::Settle),
     ]
 }

@@ -8,11 +8,14 @@ use faregate_tickets::clock::Duration;
 use faregate_tickets::id::GateId;
 
 use super::lamp::Switch;
+use super::step::Step;
 use super::world::{ENERGY, Granted, SEATS, World};
 
 /// The sensors' period: shorter than any device's estimate lag.
 const ROUND: Duration = Duration::from_millis(4);
-const MOST_ROUNDS: usize = 100;
+const MOST_ROUNDS: usize = 200;
+/// Together longer than any device takes to settle.
+const QUIET_ROUNDS: usize = 3;
 
 impl World<'_> {
     /// After every step of a history.
@@ -29,10 +32,11 @@ impl World<'_> {
     /// else turned on, stays until it is seen off.)
     pub(crate) fn check_charges(&mut self) {
         let charged = self.charges();
-        let before = std::mem::replace(&mut self.charged, charged);
+        self.charged_before = std::mem::replace(&mut self.charged, charged);
         if std::mem::take(&mut self.unbidden_seen) {
-            return;
+            self.charged_before.clone_from(&self.charged);
         }
+        let before = &self.charged_before;
         for (agent, (before, after)) in before.iter().zip(&self.charged).enumerate() {
             let within = *after <= (*before).max(self.supply[agent]);
             let rules = self.rules(agent);
@@ -98,18 +102,55 @@ impl World<'_> {
         }
     }
 
-    /// **Empty Room.** At an exclusive agent nobody becomes valid while a command of
-    /// another may be in progress, unless that one's time is over.
-    pub(crate) fn check_vacated(&self, grant: &Granted<'_>) {
-        let agent = |gate: usize| self.declared(gate).agent;
-        for gate in self.gate_ids().map(|gate| usize::from(gate.0)) {
-            let near = grant.gates().any(|mine| agent(mine) == agent(gate));
-            if near && self.rules(usize::from(agent(gate))).exclusive {
-                let id = GateId(u8::try_from(gate).unwrap());
-                let state = self.books.device_report(id).unwrap().state;
-                assert_ne!(state, DeviceState::Leaving, "Empty Room: {id}, {}", grant.id);
+    /// What was granted in the latest step was clear of others, and of what
+    /// more important ones are owed.
+    pub(crate) fn check_granted(&mut self) {
+        let report = |gate| self.books.device_report(gate).unwrap().tenant;
+        let tenants: Vec<_> = self.gate_ids().map(report).collect();
+        let before = std::mem::replace(&mut self.tenants, tenants);
+        for (gate, old) in before.into_iter().enumerate() {
+            let new = self.tenants[gate].filter(|new| Some(*new) != old);
+            if let Some(grant) = new.and_then(|new| self.grants.get(&new.serial)) {
+                self.check_clear(gate, grant);
+                self.check_owed(gate, grant);
             }
         }
+    }
+
+    /// **Empty Room.** At an exclusive agent nobody is granted anything while a
+    /// command of another may be in progress, unless that one's time is over;
+    /// and nobody what conflicts with a device that may be on.
+    fn check_clear(&self, mine: usize, grant: &Granted<'_>) {
+        let rules = self.rules(usize::from(self.declared(mine).agent));
+        for gate in (0..self.stuck.len()).filter(|gate| grant.gates().all(|it| it != *gate)) {
+            let (one, other) = (self.declared(mine), self.declared(gate));
+            let state = self.state(gate);
+            let near = one.agent == other.agent;
+            let leaving = near && rules.exclusive && state == DeviceState::Leaving;
+            assert!(!leaving, "Empty Room: gate {gate}, granted {}", grant.id);
+            let conflict = one.categories & other.categories != 0 && state != DeviceState::Off;
+            assert!(!(near && rules.categories && conflict), "gate {gate} conflicts with {mine}");
+        }
+    }
+
+    /// What is owed to more important ones is not granted to others meanwhile.
+    fn check_owed(&self, gate: usize, grant: &Granted<'_>) {
+        let agent = self.declared(gate).agent;
+        let rank = |it: &Granted<'_>| (u8::MAX - it.priority, it.arrival);
+        let chosen = self.chosen();
+        let owed = self.grants.values().filter(|other| {
+            let waits = other.gates().all(|gate| self.tenants[gate] != Some(other.id));
+            chosen.contains(&other.id.serial) && waits && rank(other) < rank(grant)
+        });
+        let off = |gate: &usize| self.state(*gate) == DeviceState::Off;
+        let mine = |gate: &usize| self.declared(*gate).agent == agent;
+        let gates = owed.flat_map(Granted::gates).filter(mine).filter(off);
+        let owed: u64 = gates.map(|gate| self.declared(gate).draw).sum();
+        let charged = self.charged[usize::from(agent)];
+        let supply = self.rules(usize::from(agent)).supply.map(|_| self.supply[usize::from(agent)]);
+        let grew = charged > self.charged_before[usize::from(agent)];
+        let within = supply.is_none_or(|supply| charged + owed <= supply);
+        assert!(!grew || within, "{owed} of {charged} is owed, and {} is granted", grant.id);
     }
 
     fn check_pair(&self, a: usize, b: usize) {
@@ -135,15 +176,16 @@ impl World<'_> {
         }
         self.late_estimates.clear();
         for gate in self.gate_ids() {
-            self.keys[usize::from(gate.0)].reopen();
-            self.stuck[usize::from(gate.0)] = false;
-            self.feed(Event::Reset(gate));
+            if self.keys[usize::from(gate.0)].fault().is_some() {
+                self.apply(&Step::Reset { gate: gate.0 });
+            }
         }
         self.settle();
     }
 
-    /// Rounds of sensors and service, until one of them changes nothing.
+    /// Rounds of sensors and service, until several change nothing.
     pub(crate) fn settle(&mut self) {
+        let mut quiet = 0;
         for _ in 0..MOST_ROUNDS {
             let before = self.changes;
             self.service();
@@ -156,7 +198,9 @@ impl World<'_> {
             }
             self.service();
             self.check();
-            if self.changes == before && !self.is_in_motion() {
+            let moves = self.changes != before || self.is_in_motion();
+            quiet = if moves { 0 } else { quiet + 1 };
+            if quiet == QUIET_ROUNDS {
                 return;
             }
         }

@@ -56,10 +56,6 @@ impl World<'_> {
             let standing = self.standing(ticket.seat);
             standing.explain_now(standing.epoch_seen(), *why);
         }
-        let revoked = |ticket| actions.revoked.iter().any(|(other, _)| other == ticket);
-        for ticket in actions.granted.iter().filter(|ticket| !revoked(*ticket)) {
-            self.check_vacated(&self.grants[&ticket.serial]);
-        }
         for ticket in &actions.ended {
             self.standing(ticket.seat).end();
             self.grants.remove(&ticket.serial);
@@ -68,6 +64,7 @@ impl World<'_> {
         self.changes += revoked.len() + explained.len() + ended.len() + granted.len() + noted.len();
         self.follow_rests();
         self.check_charges();
+        self.check_granted();
     }
 
     fn check_reasons(&self, actions: &Actions) {

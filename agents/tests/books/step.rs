@@ -80,6 +80,9 @@ pub(crate) enum Step {
         gate: u8,
         word: Word,
     },
+    MeasureAll {
+        word: Word,
+    },
     LateEstimate {
         which: u8,
     },
@@ -225,6 +228,9 @@ impl World<'_> {
             Step::LeaveSafeMode { scope } => self.scope(scope).leave_safe_mode(),
             Step::RevokeAllButMe { ticket, floor } => self.revoke_all_but_me(ticket, floor),
             Step::Measure { gate, word } => self.measured(self.gate(gate), word),
+            Step::MeasureAll { word } => {
+                self.gate_ids().for_each(|gate| self.measured(gate, word));
+            }
             Step::LateEstimate { which } => {
                 if !self.late_estimates.is_empty() {
                     let which = usize::from(which) % self.late_estimates.len();

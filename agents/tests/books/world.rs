@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use faregate_agents::{Books, Categories, Done, Policy, Work};
+use faregate_agents::{Books, Categories, DeviceState, Done, Policy, Work};
 use faregate_tickets::Gate;
 use faregate_tickets::amount::{Microjoules, Milliwatts};
 use faregate_tickets::clock::{Clock, Duration, Instant};
@@ -16,7 +16,7 @@ use faregate_tickets::ticket::{Issuer, Seat};
 
 use super::lamp::{Hands, Lamp, Platform, Truth};
 
-pub(crate) const GATES: usize = 5;
+pub(crate) const GATES: usize = 4;
 pub(crate) const SEATS: usize = 8;
 pub(crate) const SETS: usize = 3;
 pub(crate) const ENERGY: Microjoules = Microjoules::new(1_000);
@@ -168,8 +168,10 @@ pub(crate) struct World<'w> {
     pub(crate) budget_used: bool,
     /// A sensor shows on what nobody was given.
     pub(crate) unbidden_seen: bool,
-    /// Charges, as they were after the last step.
+    /// Tenants and charges, as they were after the last step.
+    pub(crate) tenants: Vec<Option<TicketId>>,
     pub(crate) charged: Vec<u64>,
+    pub(crate) charged_before: Vec<u64>,
     pub(crate) changes: usize,
 }
 
@@ -211,7 +213,9 @@ impl<'w> World<'w> {
             late_work: Vec::new(),
             budget_used: false,
             unbidden_seen: false,
+            tenants: vec![None; GATES],
             charged: vec![0; agents],
+            charged_before: vec![0; agents],
             changes: 0,
         };
         world.noticed = world.scopes();
@@ -244,6 +248,10 @@ impl<'w> World<'w> {
     pub(crate) fn charges(&self) -> Vec<u64> {
         let agents = 0..u8::try_from(self.ground.setup.agents.len()).unwrap();
         agents.map(|agent| self.books.charged(agent).get()).collect()
+    }
+
+    pub(crate) fn state(&self, gate: usize) -> DeviceState {
+        self.books.device_report(GateId(u8::try_from(gate).unwrap())).unwrap().state
     }
 
     /// Whether supervisors have done something that the books do not know.
