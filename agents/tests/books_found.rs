@@ -218,3 +218,17 @@ fn the_exempt_ticket_survives_the_moment_between_floor_and_epoch() {
         assert!(is_valid(world, mine));
     });
 }
+
+#[test]
+fn what_was_seen_on_stays_charged_when_its_holder_leaves_it() {
+    live(margin(9), LAMP, |world| {
+        let quiet = request(world, &[0], 0, Limit::None);
+        world.settle();
+        world.apply(&Step::Unbidden { gate: 0 });
+        world.settle();
+        assert!(is_valid(world, quiet), "which never commanded anything");
+        world.relinquish(quiet, 0);
+        world.service();
+        assert_eq!(world.books.charged(0).get(), LAMP.draw);
+    });
+}

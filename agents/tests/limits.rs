@@ -409,6 +409,7 @@ fn a_slow_command_within_its_factor_is_waited_for_when_a_limit_runs_out() {
         assert_eq!(holder.join().unwrap(), Ok(()));
     });
     bench.pass(TICK);
-    assert_eq!(bench.broker.device(bench.lamps[0].gate()).unwrap().fault, None);
-    assert!(!bench.is_on(0));
+    let report = bench.broker.device(bench.lamps[0].gate()).unwrap();
+    assert_eq!(report.fault, None);
+    assert!(!bench.is_on(0), "{report:?}");
 }

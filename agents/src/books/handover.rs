@@ -260,7 +260,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
                 self.seen_off(gate, estimate.measured_at);
                 let _ = actions.noted.push(Noted::SeenOff(gate));
             }
-            (Power::Off, Phase::Held) => {
+            (Power::Off, Phase::Admitting | Phase::Held) => {
                 device.stuck &= !fresh;
                 // Each time: it may have been on since the last measurement.
                 device.tell_off = Some(estimate.measured_at);
@@ -364,6 +364,9 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         match &mut device.last_user {
             LastUser::Gone { serial, validity } if *serial == vacated.latest_tenant => {
                 *validity = vacated.validity;
+                // A limit that ran out just before the ticket was given back
+                // still ends with the device off.
+                device.must_safe |= validity.ran_out(vacated.at).is_some();
             }
             LastUser::Grant { seat, serial } if *serial == vacated.latest_tenant => {
                 let seat = *seat;

@@ -250,12 +250,14 @@ impl World<'_> {
 
     pub(crate) fn observe(&mut self, gate: GateId, estimate: Estimate) {
         let number = usize::from(gate.0);
-        let state = self.books.device_report(gate).unwrap().state;
+        let report = self.books.device_report(gate).unwrap();
+        let state = report.state;
         let granted = state == DeviceState::Granted;
+        let newer = report.seen.is_none_or(|seen| seen.measured_at < estimate.measured_at);
         self.unbidden_seen = state == DeviceState::Off && estimate.state == Power::On;
         self.feed(Event::Observed(gate, estimate));
-        // Said again, of a device whose ticket nobody took: it is not stuck.
-        if granted && estimate.state == Power::Off && estimate.measured_at == self.now() {
+        // Seen off in the hands of its holder: it is not stuck.
+        if granted && newer && estimate.state == Power::Off {
             self.stuck[number] = false;
         }
     }
