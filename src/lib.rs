@@ -84,7 +84,9 @@ pub use faregate_tickets as tickets;
 
 /// What a program that embeds tickets names.
 pub mod prelude {
-    pub use faregate_agents::{AgentId, Categories, Policy, RequestRefused, Supervisor, Waiting};
+    pub use faregate_agents::{
+        AgentId, Categories, NotYours, Policy, RequestRefused, Supervisor, Waiting,
+    };
     pub use faregate_runtime::{Broker, GateOptions, Handle, NotValid, Ticket};
     pub use faregate_tickets::Device;
     pub use faregate_tickets::amount::{Microjoules, Milligrams, MilligramsPerSecond, Milliwatts};
@@ -96,6 +98,7 @@ pub mod prelude {
     pub use faregate_tickets::interlock::{Interlock, Side};
     pub use faregate_tickets::refusal::{InvokeError, Refusal};
     pub use faregate_tickets::standing::Why;
+    pub use faregate_tickets::telemetry::{Channel, Mode, Modes, Telemetry};
     pub use faregate_tickets::validity::{Function, Validity};
 }
 

@@ -26,7 +26,7 @@ use faregate_tickets::scope::Seen;
 use faregate_tickets::standing::Why;
 use faregate_tickets::ticket::Holder;
 
-use crate::limits::{MAX_AGENTS, MAX_GATES, MAX_SEATS};
+use crate::limits::{LARGEST_SUPPLY, MAX_AGENTS, MAX_GATES, MAX_SEATS};
 use crate::policy::{Categories, Policy};
 use crate::refusal::RequestRefused;
 use crate::roster::Rosters;
@@ -46,6 +46,8 @@ pub struct Books<const G: usize, const T: usize, const S: usize> {
     sets: [SetBook; S],
     rosters: Rosters<G, T>,
     free: u16,
+    /// How many seats are taken.
+    seated: u16,
     next_serial: usize,
     next_arrival: u64,
     broker_seen: Seen,
@@ -178,6 +180,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
             sets: core::array::from_fn(|_| SetBook::default()),
             rosters: Rosters::new(),
             free: 0,
+            seated: 0,
             next_serial: 1,
             next_arrival: 1,
             broker_seen: Seen { epoch: 1, floor: 0 },
@@ -187,7 +190,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
 
     /// Adds an agent; answers its number, or `None` if there is no room.
     pub fn add_agent(&mut self, policy: Policy) -> Option<u8> {
-        let supply = policy.supply.unwrap_or_default();
+        let supply = policy.supply.unwrap_or_default().min(LARGEST_SUPPLY);
         let number = u8::try_from(self.agents.len()).ok()?;
         let book = AgentBook {
             policy,

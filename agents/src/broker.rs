@@ -30,7 +30,7 @@ use crate::policy::{Categories, Policy};
 use crate::refusal::Waiting;
 
 pub use asks::{Handle, Want, Wants};
-pub use supervise::{NotYours, Quiescent, Revoked, Supervisor};
+pub use supervise::{NotQuiescent, NotYours, Quiescent, Revoked, Supervisor};
 
 /// All ticket agents of a spacecraft, for up to `G` gates, `T` tickets and `S`
 /// sets of them.

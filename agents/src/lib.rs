@@ -130,7 +130,8 @@ mod roster;
 
 pub use books::{Actions, Ask, Books, DeviceReport, DeviceState, Done, Event, Noted, Work};
 pub use broker::{
-    AgentId, Broker, Handle, NotYours, Quiescent, RegisterError, Revoked, Supervisor, Want, Wants,
+    AgentId, Broker, Handle, NotQuiescent, NotYours, Quiescent, RegisterError, Revoked, Supervisor,
+    Want, Wants,
 };
 pub use policy::{Categories, Policy};
 pub use refusal::{Capacity, RequestRefused, Waiting};

@@ -6,10 +6,11 @@ mod bench;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::Ordering::SeqCst;
 
-use bench::{Bare, Bench, Hands, Kit, Lamp, Platform, Switch, TICK, Tape};
+use bench::{Bare, Bench, Caught, Hands, Kit, Lamp, Platform, Switch, TICK, Tape};
 use bench::{drawing, leak, margin, watts};
 use faregate_agents::{
-    Broker, Capacity, DeviceState, Handle, NotYours, Policy, RegisterError, RequestRefused, Waiting,
+    Broker, Capacity, DeviceState, Handle, NotQuiescent, NotYours, Policy, RegisterError,
+    RequestRefused, Waiting,
 };
 use faregate_tickets::clock::{Clock, Duration, Instant};
 use faregate_tickets::device::{Estimate, Power};
@@ -436,7 +437,8 @@ fn quiescence_has_a_deadline() {
     let holder = std::thread::spawn(move || ticket.invoke(Switch::On));
     truth.wait_until_held();
     let revoked = bench.broker.bar(&supervisor, id).unwrap();
-    assert_eq!(revoked.quiesce().err(), Some((bench.lamps[0].gate(), Blocked::Hung)));
+    let hung = NotQuiescent { gate: bench.lamps[0].gate(), blocked: Blocked::Hung };
+    assert_eq!(revoked.quiesce(), Err(hung));
     truth.hold.store(false, SeqCst);
     holder.join().unwrap().unwrap();
     bench.pass(TICK);
@@ -459,4 +461,46 @@ fn a_full_lane_stops_nobody_and_counts_what_it_lost() {
     assert_eq!(bench.tape.lost.load(SeqCst), 6);
     // Admitted, issued, vacated, safed.
     assert_eq!(bench.tapes[0].lost.load(SeqCst), 4);
+}
+
+#[test]
+fn the_last_seats_are_kept_for_fault_responses() {
+    type Small = Broker<'static, Platform, NoNotify, 1, 32, 0>;
+    let clock: &'static Hands = leak(Hands::default());
+    let mut broker = Small::new(clock, leak(Tape::default()), NoNotify);
+    let agent = broker.agent(margin(10)).unwrap();
+    let (gate, ..) = Kit::new().gate::<Caught>(drawing(8));
+    let lamp = broker.register(agent, leak(gate).key()).unwrap();
+    let full = RequestRefused::NoCapacity(Capacity::Seats);
+    let mut held: Vec<_> =
+        (0..30).map(|_| broker.request(Priority::LEAST, &lamp).unwrap()).collect();
+    assert_eq!(broker.request(Priority::new(239), &lamp).err(), Some(full));
+    held.push(broker.request(Priority::FAULT_RESPONSE, &lamp).unwrap());
+    held.push(broker.request(Priority::EMERGENCY, &lamp).unwrap());
+    assert_eq!(broker.request(Priority::EMERGENCY, &lamp).err(), Some(full));
+}
+
+#[test]
+fn a_gate_that_goes_to_another_broker_begins_anew() {
+    let clock: &'static Hands = leak(Hands::default());
+    let (mut gate, truth, _) = Kit::new().gate::<Caught>(drawing(8));
+    {
+        let mut first = Broker::<Platform, _, 1, 4, 0>::new(clock, leak(Tape::default()), NoNotify);
+        let agent = first.agent(Policy::unlimited()).unwrap();
+        let lamp = first.register(agent, gate.key()).unwrap();
+        let ticket = first.request(Priority::SCIENCE, &lamp).unwrap();
+        first.service();
+        ticket.invoke(Switch::On).unwrap();
+    }
+    let mut second = Broker::<Platform, _, 1, 4, 0>::new(clock, leak(Tape::default()), NoNotify);
+    let agent = second.agent(margin(10)).unwrap();
+    let lamp = second.register(agent, gate.key()).unwrap();
+    let report = second.device(lamp.gate()).unwrap();
+    assert_eq!(report.charge, watts(8), "it was left on");
+    let none = lamp.limited(Function::invocations(0));
+    let ticket = second.request(Priority::SCIENCE, &none).unwrap();
+    second.service();
+    let refusal = ticket.invoke(Switch::On).unwrap_err().refusal();
+    assert!(matches!(refusal, Some(Refusal::Denied(_))), "its own limits hold: {refusal:?}");
+    assert!(truth.on.load(SeqCst));
 }

@@ -4,13 +4,14 @@
 //! All allocation is at construction. Gates and agents live as long as the
 //! program does, so tickets can go to any thread.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::{fmt, io};
 
 use faregate_agents::{
-    AgentId, Categories, Policy, RegisterError, RequestRefused, Supervisor, Waiting, Want, Wants,
+    AgentId, Categories, NotYours, Policy, RegisterError, RequestRefused, Supervisor, Waiting,
+    Want, Wants,
 };
 use faregate_tickets::Gate;
 use faregate_tickets::clock::{Clock, Duration};
@@ -24,7 +25,7 @@ use faregate_tickets::telemetry::Telemetry;
 use crate::clock::MonotonicClock;
 use crate::host::Host;
 use crate::lanes::{Draining, Recorder};
-use crate::waiters::{TooManyWait, Waiters};
+use crate::waiters::Waiters;
 
 /// The most gates of a [`Broker`].
 pub const GATES: usize = 32;
@@ -32,7 +33,8 @@ pub const GATES: usize = 32;
 pub const TICKETS: usize = 256;
 /// The most all-or-nothing requests of a [`Broker`].
 pub const SETS: usize = 16;
-/// The most threads that wait for a ticket at the same time.
+/// How many threads are woken when their ticket is valid. More may wait; they look
+/// for themselves.
 pub const WAITERS: usize = 64;
 /// How many records a lane of the flight recorder holds between two drains.
 const LANE: usize = 4096;
@@ -143,6 +145,14 @@ impl Builder {
         self.agents.supervisor()
     }
 
+    /// Makes a supervisor of one agent.
+    ///
+    /// # Errors
+    /// [`NotYours::OtherScope`] for another broker's agent.
+    pub fn supervisor_of(&mut self, agent: AgentId) -> Result<Supervisor, NotYours> {
+        self.agents.supervisor_of(agent)
+    }
+
     /// Runs the service thread with SCHED_FIFO at this priority (1 to 99),
     /// which belongs above all holders. Whether the host permits it is in
     /// [`Broker::real_time_report`].
@@ -169,8 +179,8 @@ impl Builder {
             serve(agents, waiters, &stopping);
         })?;
         let report = told.recv().unwrap_or_default();
-        let threads = Threads { service: Some(service), draining: Some(draining), stop, waiters };
-        Ok(Broker { agents, waiters, report, _threads: Arc::new(threads) })
+        let threads = Arc::new(Mutex::new(Some(Threads { service, draining, stop })));
+        Ok(Broker { agents, waiters, report, threads })
     }
 }
 
@@ -196,43 +206,46 @@ fn set_up(priority: Option<u8>) -> RealTimeReport {
 }
 
 fn serve(agents: &Agents, waiters: &Waiters, stop: &AtomicBool) {
-    // Acquire: pairs with the Release in `Threads::drop`.
+    // Acquire: pairs with the Release in `Broker::close`.
     while !stop.load(Ordering::Acquire) {
         let due = agents.service();
         waiters.wait_for_service(due);
     }
 }
 
-/// The threads behind a broker; they end with its last clone.
+/// The threads behind a broker.
 struct Threads {
-    service: Option<JoinHandle<()>>,
-    draining: Option<Draining>,
+    service: JoinHandle<()>,
+    draining: Draining,
     stop: Arc<AtomicBool>,
-    waiters: &'static Waiters,
-}
-
-impl Drop for Threads {
-    fn drop(&mut self) {
-        self.stop.store(true, Ordering::Release);
-        self.waiters.wake_service();
-        if let Some(service) = self.service.take() {
-            // It has nothing to say, and a panic in it was printed.
-            let _ = service.join();
-        }
-        if let Some(draining) = self.draining.take() {
-            let _ = draining.stop();
-        }
-    }
 }
 
 /// All ticket agents of a program, with their service thread.
+///
+/// Clones are the same broker. It serves its tickets for as long as the program
+/// runs, whoever has a clone; [`close`](Broker::close) ends it before.
 #[derive(Clone)]
 pub struct Broker {
     agents: &'static Agents,
     waiters: &'static Waiters,
     report: RealTimeReport,
-    _threads: Arc<Threads>,
+    threads: Arc<Mutex<Option<Threads>>>,
 }
+
+/// The broker was not closed: tickets are still held.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StillHeld {
+    /// How many seats are taken.
+    pub tickets: usize,
+}
+
+impl fmt::Display for StillHeld {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} tickets are still held; drop them first", self.tickets)
+    }
+}
+
+impl std::error::Error for StillHeld {}
 
 /// Why a wait for a ticket ended without it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -241,8 +254,8 @@ pub enum NotValid {
     TimedOut(Option<Waiting>),
     /// The ticket has expired: waiting does not help.
     Expired,
-    /// Too many threads wait already.
-    TooManyWait,
+    /// The ticket is another broker's.
+    OtherBroker,
 }
 
 impl fmt::Display for NotValid {
@@ -251,7 +264,7 @@ impl fmt::Display for NotValid {
             Self::TimedOut(Some(waiting)) => write!(f, "not valid in time: {waiting}"),
             Self::TimedOut(None) => f.write_str("not valid in time"),
             Self::Expired => f.write_str("the ticket has expired; request a new one"),
-            Self::TooManyWait => write!(f, "{WAITERS} threads wait for tickets already"),
+            Self::OtherBroker => f.write_str("the ticket is another broker's"),
         }
     }
 }
@@ -309,9 +322,11 @@ impl Broker {
     /// # After revocation
     /// Waits until the ticket is restored.
     pub fn wait<D: Device>(&self, ticket: &Ticket<D>, timeout: Duration) -> Result<(), NotValid> {
+        if !ticket.is_of(self.agents) {
+            return Err(NotValid::OtherBroker);
+        }
         let deadline = MonotonicClock::new().now().after(timeout);
-        let waiter =
-            self.waiters.register(ticket.id()).map_err(|TooManyWait| NotValid::TooManyWait)?;
+        let waiter = self.waiters.register(ticket.id());
         loop {
             let due = self.agents.service();
             match ticket.check() {
@@ -320,7 +335,10 @@ impl Broker {
                 Err(_) if MonotonicClock::new().now() >= deadline => {
                     return Err(NotValid::TimedOut(self.agents.waiting_for(ticket.id())));
                 }
-                Err(_) => waiter.wait_until(due.map_or(deadline, |due| due.min(deadline))),
+                Err(_) => {
+                    let until = due.map_or(deadline, |due| due.min(deadline));
+                    self.waiters.wait(waiter.as_ref(), until);
+                }
             }
         }
     }
@@ -329,6 +347,28 @@ impl Broker {
     /// [`faregate_agents::Broker::observe`].
     pub fn observe(&self, gate: GateId, estimate: faregate_tickets::device::Estimate) {
         self.agents.observe(gate, estimate);
+    }
+
+    /// Ends the service and the recorder, after a last drain. Every ticket must
+    /// have gone: one without service would outlive its limits.
+    ///
+    /// # Errors
+    /// [`StillHeld`], and the broker goes on.
+    pub fn close(&self) -> Result<(), StillHeld> {
+        self.agents.service();
+        let free = self.agents.books().map_or(0, |books| books.free_seats());
+        let tickets = TICKETS - free;
+        if tickets > 0 {
+            return Err(StillHeld { tickets });
+        }
+        let threads = self.threads.lock().unwrap_or_else(PoisonError::into_inner).take();
+        if let Some(Threads { service, draining, stop }) = threads {
+            stop.store(true, Ordering::Release);
+            self.waiters.wake_service();
+            // They have nothing to say, and a panic in one was printed.
+            let _ = (service.join(), draining.stop());
+        }
+        Ok(())
     }
 
     /// The agents themselves: supplies, supervision, reports, bounds.

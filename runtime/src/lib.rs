@@ -84,5 +84,5 @@ mod sys;
 mod waiters;
 pub mod wake;
 
-pub use broker::{Broker, Builder, GateOptions, Handle, NotValid, Ticket};
+pub use broker::{Broker, Builder, GateOptions, Handle, NotValid, StillHeld, Ticket};
 pub use waiters::Waiters;

@@ -12,6 +12,9 @@ use faregate_tickets::notify::Notify;
 use crate::broker::WAITERS;
 use crate::wake::Wakeup;
 
+/// How often a thread looks that has no bell.
+const LOOK_AGAIN: std::time::Duration = std::time::Duration::from_millis(1);
+
 /// A bell for the service thread, and one for each thread that waits.
 ///
 /// A thread that waits takes a bell and marks it with its ticket's seat before
@@ -33,10 +36,6 @@ struct Bell {
     seat: AtomicUsize,
 }
 
-/// All bells are taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct TooManyWait;
-
 impl Waiters {
     pub(crate) fn new() -> io::Result<Self> {
         let bell =
@@ -50,13 +49,22 @@ impl Waiters {
         Ok(Self { service: Wakeup::new()?, bells: bells?.into(), free })
     }
 
-    pub(crate) fn register(&self, ticket: TicketId) -> Result<Waiter<'_>, TooManyWait> {
-        let number = self.free.pop().ok_or(TooManyWait)?;
+    /// A bell for this ticket, unless all are taken.
+    pub(crate) fn register(&self, ticket: TicketId) -> Option<Waiter<'_>> {
+        let number = self.free.pop()?;
         let bell = &self.bells[number];
         // Release, with the Acquire in `ticket_changed`: who sees the mark may
         // ring. That it is seen in time is ordered by the broker's lock.
         bell.seat.store(usize::from(ticket.seat) + 1, Ordering::Release);
-        Ok(Waiter { waiters: self, number, bell })
+        Some(Waiter { waiters: self, number, bell })
+    }
+
+    /// Waits for the bell, or until the deadline; without a bell a little while.
+    pub(crate) fn wait(&self, waiter: Option<&Waiter<'_>>, deadline: Instant) {
+        match waiter {
+            Some(waiter) => waiter.wait_until(deadline),
+            None => std::thread::park_timeout(LOOK_AGAIN),
+        }
     }
 
     pub(crate) fn wake_service(&self) {

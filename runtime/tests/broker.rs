@@ -5,7 +5,8 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::thread;
 
 use faregate_agents::{Policy, Waiting};
-use faregate_runtime::{Broker, Handle, NotValid};
+use faregate_runtime::broker::WAITERS;
+use faregate_runtime::{Broker, Handle, NotValid, StillHeld};
 use faregate_tickets::Device;
 use faregate_tickets::amount::Milliwatts;
 use faregate_tickets::clock::{Clock, Duration};
@@ -223,4 +224,65 @@ fn tickets_go_to_and_fro_under_load_and_none_is_refused_while_valid() {
 #[test]
 fn a_broker_is_small_enough_to_be_made_on_a_threads_stack() {
     assert!(size_of::<faregate_runtime::broker::Agents>() < 200 * 1024);
+}
+
+#[test]
+fn tickets_are_served_when_nobody_has_the_broker_any_more() {
+    let on = Arc::new(AtomicBool::new(false));
+    let ticket = {
+        let mut builder = Broker::builder().expect("the host has wake-ups");
+        let agent = builder.agent(Policy::exclusive()).expect("room");
+        let lamp = builder.gate(agent, "lamp", Lamp(Arc::clone(&on))).expect("room");
+        let broker = builder.start().expect("the host has threads");
+        let ticket = broker.request(Priority::SCIENCE, &lamp.limited(Function::lease(SOON)));
+        let ticket = ticket.expect("it fits");
+        broker.wait(&ticket, LONG).expect("nobody else wants it");
+        ticket
+    };
+    ticket.invoke(Switch::On).unwrap();
+    // Its lease ends, and the service is still there to see it.
+    while on.load(Ordering::SeqCst) {
+        thread::yield_now();
+    }
+}
+
+#[test]
+fn a_broker_is_closed_when_its_tickets_are_gone() {
+    let bench = bench();
+    let ticket = bench.broker.request(Priority::SCIENCE, &bench.lamps[0]).unwrap();
+    assert_eq!(bench.broker.close(), Err(StillHeld { tickets: 1 }));
+    drop(ticket);
+    assert_eq!(bench.broker.close(), Ok(()));
+    assert_eq!(bench.broker.close(), Ok(()), "and stays closed");
+}
+
+#[test]
+fn the_ticket_of_another_broker_is_not_waited_for() {
+    let (here, there) = (bench(), bench());
+    let ticket = there.broker.request(Priority::SCIENCE, &there.lamps[0]).unwrap();
+    assert_eq!(here.broker.wait(&ticket, LONG), Err(NotValid::OtherBroker));
+}
+
+#[test]
+fn less_important_threads_that_wait_keep_no_rescuer_from_its_ticket() {
+    let bench = bench();
+    let Bench { broker, lamps, .. } = &bench;
+    let first = broker.request(Priority::ENGINEERING, &lamps[0]).unwrap();
+    broker.wait(&first, LONG).unwrap();
+    let waiting = AtomicU32::new(0);
+    thread::scope(|scope| {
+        for _ in 0..WAITERS + 4 {
+            scope.spawn(|| {
+                let ticket = broker.request(Priority::LEAST, &lamps[0]).expect("there are seats");
+                waiting.fetch_add(1, Ordering::SeqCst);
+                let waited = broker.wait(&ticket, Duration::from_millis(300));
+                assert!(matches!(waited, Err(NotValid::TimedOut(_))), "{waited:?}");
+            });
+        }
+        while waiting.load(Ordering::SeqCst) < WAITERS as u32 + 4 {
+            thread::yield_now();
+        }
+        let rescuer = broker.request(Priority::EMERGENCY, &lamps[1]).expect("there are seats");
+        assert_eq!(broker.wait(&rescuer, LONG), Ok(()));
+    });
 }

@@ -143,8 +143,17 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
         self
     }
 
-    /// The gate's one key.
+    /// The gate's one key. A gate that was somebody's before begins anew: it
+    /// admits nobody, and its device may be on.
     pub fn key<'g>(&'g mut self) -> KeyOf<'g, D, P> {
+        self.published.tenant.store(0, Ordering::Relaxed);
+        self.published.look_again.store(Look::NEVER, Ordering::Relaxed);
+        // Nobody else has the gate, so nobody is inside, unless a thread died
+        // there: then the next step that enters finds that out.
+        let _ = self.inside.with(Inside::begin_anew);
+        if let Some(member) = &self.interlock {
+            member.announce();
+        }
         KeyOf::new(self)
     }
 

@@ -6,7 +6,7 @@ use faregate_tickets::id::GateId;
 use faregate_tickets::scope::Seen;
 use faregate_tickets::standing::Why;
 
-use crate::limits::{MAX_AGENTS, MAX_GATES};
+use crate::limits::{LARGEST_SUPPLY, MAX_AGENTS, MAX_GATES};
 
 use super::device::Phase;
 use super::{Actions, Books, Noted, bit};
@@ -108,6 +108,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
 
     pub(super) fn set_supply(&mut self, agent: u8, supply: Milliwatts) {
         if let Some(book) = self.agents.get_mut(usize::from(agent)) {
+            let supply = supply.min(LARGEST_SUPPLY);
             book.supply = supply;
             book.largest_supply = book.largest_supply.max(supply);
         }

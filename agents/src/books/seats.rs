@@ -6,7 +6,7 @@ use faregate_tickets::standing::Why;
 use faregate_tickets::ticket::Holder;
 use faregate_tickets::validity::{Function, Validity};
 
-use crate::limits::{MAX_AGENTS, MAX_SET_GATES};
+use crate::limits::{MAX_AGENTS, MAX_SET_GATES, SEATS_PER_KEPT};
 use crate::refusal::{Capacity, RequestRefused};
 
 use super::device::{LastUser, Phase};
@@ -62,7 +62,8 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     pub(super) fn seat(&mut self, ask: &Ask) -> Result<TicketId, RequestRefused> {
         let gates = self.with_leases(ask)?;
         let taken = self.agree_to(&gates, 0)?;
-        let seat = self.free_seat().ok_or(RequestRefused::NoCapacity(Capacity::Seats))?;
+        let full = RequestRefused::NoCapacity(Capacity::Seats);
+        let seat = self.free_seat(ask.priority).ok_or(full)?;
         let set = self.set_for(&gates)?;
         self.take(&taken);
         Ok(self.sit_down(seat, set, ask, gates))
@@ -156,8 +157,11 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         }
     }
 
-    fn free_seat(&self) -> Option<u16> {
-        self.grants.get(usize::from(self.free)).map(|_| self.free)
+    fn free_seat(&self, priority: Priority) -> Option<u16> {
+        let urgent = !Priority::FAULT_RESPONSE.is_more_important_than(priority);
+        let kept = if urgent { 0 } else { T / SEATS_PER_KEPT };
+        let room = usize::from(self.seated) + kept < T;
+        self.grants.get(usize::from(self.free)).filter(|_| room).map(|_| self.free)
     }
 
     fn free_set(&self) -> Option<u8> {
@@ -185,6 +189,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         self.next_arrival += 1;
         if let Some(grant) = self.grants.get_mut(usize::from(seat)) {
             self.free = grant.next_free;
+            self.seated += 1;
             *grant = Grant {
                 serial,
                 gates: ask.bits(),
@@ -315,6 +320,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
             let own = grant.own.wrapping_add(1);
             *grant = Grant { own, next_free: free, ..Grant::free(usize::from(seat)) };
             self.free = seat;
+            self.seated = self.seated.saturating_sub(1);
         }
     }
 

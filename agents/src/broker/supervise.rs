@@ -64,6 +64,28 @@ pub struct Revoked<'b> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Quiescent(());
 
+/// A gate could not be passed: a command may still be in progress there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct NotQuiescent {
+    /// Which gate.
+    pub gate: GateId,
+    /// Why.
+    pub blocked: Blocked,
+}
+
+impl fmt::Display for NotQuiescent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let why = match self.blocked {
+            Blocked::Hung => "its command in progress did not come back in time",
+            Blocked::Reentered => "the calling thread is inside one of its commands",
+            Blocked::Stale => "it has moved on",
+        };
+        write!(f, "{}: {why}", self.gate)
+    }
+}
+
+impl core::error::Error for NotQuiescent {}
+
 impl Revoked<'_> {
     /// Passes once through each gate of the agents concerned.
     ///
@@ -74,13 +96,13 @@ impl Revoked<'_> {
     /// # Timing
     /// One command in progress for each gate, with priority inheritance where
     /// the gate's strategy has it.
-    pub fn quiesce(self) -> Result<Quiescent, (GateId, Blocked)> {
+    pub fn quiesce(self) -> Result<Quiescent, NotQuiescent> {
         for ((number, key), agent) in (0..).zip(self.keys).zip(self.agents_of_gates) {
             if self.agents & (1 << agent) == 0 {
                 continue;
             }
             let patience = key.profile().patience();
-            key.pass(patience).map_err(|blocked| (GateId(number), blocked))?;
+            key.pass(patience).map_err(|blocked| NotQuiescent { gate: GateId(number), blocked })?;
         }
         Ok(Quiescent(()))
     }

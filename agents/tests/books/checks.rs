@@ -2,7 +2,7 @@
 
 use std::sync::atomic::Ordering::Relaxed;
 
-use faregate_agents::{DeviceState, Event};
+use faregate_agents::DeviceState;
 use faregate_tickets::amount::Microjoules;
 use faregate_tickets::clock::Duration;
 use faregate_tickets::id::GateId;

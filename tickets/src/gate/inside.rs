@@ -50,6 +50,17 @@ impl<D: Device, P: Platform> Inside<D, P> {
         }
     }
 
+    /// For a new key: the numbers of an earlier one mean nothing.
+    pub(super) fn begin_anew(&mut self) {
+        let now = self.now();
+        self.tenure = 0;
+        self.vacated = (0, now);
+        self.safed = (0, now);
+        self.latest_tenant = 0;
+        self.validity = Validity::always();
+        self.may_be_on = true;
+    }
+
     /// The present instant, never before one that was read earlier.
     pub(super) fn now(&mut self) -> Instant {
         let now = self.clock.now();
