@@ -93,3 +93,19 @@ fn every_mutant_exists_is_named_and_is_killed_in_ci() {
         assert!(manifest.contains(&format!("\n{feature} = ")), "{mutant} does not exist");
     }
 }
+
+#[test]
+fn every_check_that_the_readme_names_is_there() {
+    let readme = read("README.md");
+    let mut checks = 0;
+    for command in quoted(&readme).filter(|word| word.starts_with("cargo test -p ")) {
+        let package = command.split(' ').nth(3).unwrap_or_default();
+        let folder = package.trim_start_matches("faregate-");
+        for test in command.split("--test ").skip(1).map(str::trim) {
+            let file = format!("{folder}/tests/{test}.rs");
+            assert!(Path::new(env!("CARGO_MANIFEST_DIR")).join(&file).is_file(), "no {file}");
+            checks += 1;
+        }
+    }
+    assert!(checks >= 8, "only {checks} checks were found: has the README another form now?");
+}

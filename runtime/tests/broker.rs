@@ -1,7 +1,7 @@
 //! The broker with real threads: waiting, restoration, death, panics.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
 use std::thread;
 
 use faregate_agents::{Policy, Waiting};
@@ -269,7 +269,7 @@ fn less_important_threads_that_wait_keep_no_rescuer_from_its_ticket() {
     let Bench { broker, lamps, .. } = &bench;
     let first = broker.request(Priority::ENGINEERING, &lamps[0]).unwrap();
     broker.wait(&first, LONG).unwrap();
-    let waiting = AtomicU32::new(0);
+    let waiting = AtomicUsize::new(0);
     thread::scope(|scope| {
         for _ in 0..WAITERS + 4 {
             scope.spawn(|| {
@@ -279,7 +279,7 @@ fn less_important_threads_that_wait_keep_no_rescuer_from_its_ticket() {
                 assert!(matches!(waited, Err(NotValid::TimedOut(_))), "{waited:?}");
             });
         }
-        while waiting.load(Ordering::SeqCst) < WAITERS as u32 + 4 {
+        while waiting.load(Ordering::SeqCst) < WAITERS + 4 {
             thread::yield_now();
         }
         let rescuer = broker.request(Priority::EMERGENCY, &lamps[1]).expect("there are seats");

@@ -16,7 +16,9 @@ use crate::clock::{Duration, Instant};
 /// A driver never calls tickets or agents. Without a
 /// [containment](crate::Containment) it must not panic.
 pub trait Device: Send {
-    /// The command set, as values.
+    /// The command set, as values: plain data that means the same whenever it
+    /// is looked at. One with a reference, a cell or an atomic inside could be
+    /// declared as one thing and issued as another.
     type Command: Copy;
     /// What a command answers.
     type Response;
@@ -133,7 +135,8 @@ pub struct Profile {
     pub longest_command: Duration,
     /// The longest time of draining and safing together.
     pub longest_safing: Duration,
-    /// How long after the safing command the device is at rest.
+    /// How long after any command the device is what it was told to be, turning
+    /// on included. A measurement counts only from then on.
     pub settling: Duration,
     /// How long after settling a state estimate measured then has arrived.
     pub estimate_lag: Duration,

@@ -63,7 +63,7 @@ impl Function {
 
     /// Ends the ticket when its holder has been silent for `period`. Any
     /// admitted command renews it, and so does
-    /// [`Validity::renew`](super::Validity::renew). It runs from the moment
+    /// [`Ticket::renew`](crate::Ticket::renew). It runs from the moment
     /// when the ticket becomes valid.
     #[must_use]
     pub const fn lease(period: Duration) -> Self {
