@@ -231,6 +231,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         for event in events {
             self.take_in(event, &mut actions);
         }
+        self.end_what_is_over(&mut actions);
         self.arbitrate(&mut actions);
         actions
     }

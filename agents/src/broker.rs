@@ -220,6 +220,10 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
     /// What a step asks for at once: increments, and records.
     fn carry_out(&self, ledger: &mut Ledger<P, G, T, S>, now: Instant, actions: &Actions) {
         let lane = &mut ledger.lane;
+        // What was granted in this step may have been revoked in it.
+        for ticket in &actions.granted {
+            lane.record(Record::of(now, *ticket, RecordedEvent::Granted));
+        }
         for (ticket, why) in &actions.revoked {
             self.with_standing(ticket.seat, |standing| standing.revoke(*why));
             lane.record(Record::of(now, *ticket, RecordedEvent::Revoked(*why)));
@@ -233,9 +237,6 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
         for ticket in &actions.ended {
             self.with_standing(ticket.seat, Standing::end);
             lane.record(Record::of(now, *ticket, RecordedEvent::Ended));
-        }
-        for ticket in &actions.granted {
-            lane.record(Record::of(now, *ticket, RecordedEvent::Granted));
         }
         for noted in &actions.noted {
             let event = match *noted {

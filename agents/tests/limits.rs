@@ -413,3 +413,20 @@ fn a_slow_command_within_its_factor_is_waited_for_when_a_limit_runs_out() {
     assert_eq!(report.fault, None);
     assert!(!bench.is_on(0), "{report:?}");
 }
+
+#[test]
+fn a_waiting_ticket_whose_window_has_closed_takes_no_victim() {
+    let (bench, _) = Bench::new(margin(13), &[8, 10, 5]);
+    let emergency = bench.ticket(9, 0);
+    let humble = bench.ticket(1, 2);
+    humble.invoke(Switch::On).unwrap();
+    let until = bench.clock.now().after(TICK);
+    let window = bench.lamps[1].limited(Function::window(Instant::START, until));
+    let late = bench.broker.request(Priority::new(5), &window).unwrap();
+    bench.pass(TICK.saturating_mul(3));
+    drop(emergency);
+    bench.broker.service();
+    assert_eq!(humble.check(), Ok(()), "it is not taken in vain");
+    assert_eq!(late.check(), Err(Refusal::NotValid(Why::Expired)));
+    assert_eq!(bench.free_seats(), 7);
+}

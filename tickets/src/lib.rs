@@ -32,7 +32,7 @@
 //! use faregate_tickets::recorder::NoLane;
 //! use faregate_tickets::scope::Scope;
 //! use faregate_tickets::standing::{Stamp, Standing, Why};
-//! use faregate_tickets::ticket::{Issuer, Seat};
+//! use faregate_tickets::ticket::{Holder, Issuer, Seat};
 //! use faregate_tickets::validity::Validity;
 //! use faregate_tickets::{Device, Gate};
 //!
@@ -75,7 +75,7 @@
 //! struct Nobody;
 //!
 //! impl Issuer for Nobody {
-//!     fn relinquish(&self, _: &Seat<'_>, _: u32) {}
+//!     fn relinquish(&self, _: &Seat<'_>, _: u32, _: Holder) {}
 //! }
 //!
 //! type Ports = (Locked<parking_lot::RawMutex, parking_lot::RawThreadId>, Stopped, NoLane);

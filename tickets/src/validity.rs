@@ -250,6 +250,22 @@ impl Validity {
         graver(first, graver(c.ran_out(now), d.ran_out(now)))
     }
 
+    /// Whether a limit has run out that no waiting brings back: a window that
+    /// has closed, a budget that is used up. A lease begins anew with the
+    /// ticket, so it does not count here.
+    ///
+    /// # Timing
+    /// As [`Validity::ran_out`].
+    #[must_use]
+    pub fn has_ended(&self, now: Instant) -> bool {
+        let ended = |function: &Function| {
+            let ran_out = function.ran_out(now);
+            ran_out.is_some_and(|limit| limit.ends_ticket && limit.rule != Rule::Lease)
+        };
+        let [a, b, c, d] = &self.functions;
+        ended(a) || ended(b) || ended(c) || ended(d)
+    }
+
     /// The agent saw the device off, by a measurement taken at `at`: use ends
     /// then. A measurement that is not later than the latest On command says
     /// nothing about it, and changes nothing.

@@ -6,7 +6,7 @@ use faregate_tickets::standing::Why;
 use faregate_tickets::ticket::Holder;
 use faregate_tickets::validity::{Function, Validity};
 
-use crate::limits::{MAX_AGENTS, MAX_SET_GATES, SEATS_PER_KEPT};
+use crate::limits::{MAX_AGENTS, MAX_GATES, MAX_SET_GATES, SEATS_PER_KEPT};
 use crate::refusal::{Capacity, RequestRefused};
 
 use super::device::{LastUser, Phase};
@@ -322,6 +322,39 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
             self.free = seat;
             self.seated = self.seated.saturating_sub(1);
         }
+    }
+
+    /// A waiting grant whose time is over ends when its turn comes, before
+    /// anybody is taken for it. As many as the actions have room for; the rest
+    /// is for the next step.
+    pub(super) fn end_what_is_over(&mut self, actions: &mut Actions) {
+        for gate in 0..self.devices.len() {
+            while let Some(seat) = self.first_in_line(gate).filter(|seat| self.is_over(*seat)) {
+                if actions.ended.len() >= MAX_GATES {
+                    return;
+                }
+                self.end(seat, actions);
+            }
+        }
+        for set in 0..S {
+            let seat = self.sets.get(set).and_then(|set| set.seat);
+            if let Some(seat) = seat.filter(|seat| self.is_over(*seat)) {
+                self.end(seat, actions);
+            }
+        }
+    }
+
+    fn first_in_line(&self, gate: usize) -> Option<u16> {
+        self.rosters.first(gate).and_then(|seat| u16::try_from(seat).ok())
+    }
+
+    fn is_over(&self, seat: u16) -> bool {
+        let Some(grant) = self.grant(seat).filter(|grant| grant.state == State::Waiting) else {
+            return false;
+        };
+        gates_of(grant.gates)
+            .filter_map(|gate| self.validity(seat, gate))
+            .any(|validity| validity.has_ended(self.now))
     }
 
     /// The device loses the grant that uses it, or used it last. What that
