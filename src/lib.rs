@@ -94,7 +94,7 @@ pub mod prelude {
     pub use faregate_tickets::device::{
         Declaration, Effect, Estimate, Power, Profile, WhenOrphaned,
     };
-    pub use faregate_tickets::id::{GateId, Priority, TicketId};
+    pub use faregate_tickets::id::{GateId, HolderId, Priority, TicketId};
     pub use faregate_tickets::interlock::{Interlock, Side};
     pub use faregate_tickets::refusal::{InvokeError, Refusal};
     pub use faregate_tickets::standing::Why;

@@ -6,7 +6,7 @@ mod bench;
 use bench::{Bench, Kit, Switch, TICK, drawing, margin};
 use faregate_agents::{AgentId, NotYours, Supervisor, Waiting};
 use faregate_tickets::fault::GateFault;
-use faregate_tickets::id::Priority;
+use faregate_tickets::id::{HolderId, Priority};
 use faregate_tickets::refusal::Refusal;
 use faregate_tickets::standing::Why;
 use faregate_tickets::validity::Validity;
@@ -162,4 +162,35 @@ fn a_supervisor_is_made_only_for_an_agent_of_the_same_broker() {
     let mut kit = Kit::new();
     let foreign = Kit::new().agent(margin(10));
     assert_eq!(kit.broker.supervisor_of(foreign).err(), Some(NotYours::OtherScope));
+}
+
+#[test]
+fn barring_a_holder_bars_all_its_tickets_and_nobody_elses() {
+    let (bench, supervisor) = Bench::new(margin(30), &[8, 8, 8, 0]);
+    let (suspect, other) = (HolderId(7), HolderId(8));
+    let held_by = |lamp: usize, holder| {
+        let want = bench.lamps[lamp].limited(Validity::always()).held_by(holder);
+        bench.broker.request(Priority::SCIENCE, &want).unwrap()
+    };
+    let theirs = [held_by(0, suspect), held_by(1, suspect)];
+    let elses = [held_by(2, other), bench.ticket(9, 3)];
+    bench.broker.service();
+    theirs[0].invoke(Switch::On).unwrap();
+    bench.broker.bar_holder(&supervisor, suspect).unwrap().quiesce().unwrap();
+    let barred = Err(Refusal::NotValid(Why::Barred));
+    assert!(theirs.iter().all(|ticket| ticket.check() == barred));
+    bench.pass(TICK);
+    assert!(elses.iter().all(|ticket| ticket.check().is_ok()));
+    assert!(!bench.is_on(0), "its devices are made safe");
+    for ticket in &theirs {
+        bench.broker.reinstate(&supervisor, ticket.id()).unwrap();
+    }
+    bench.pass(TICK);
+    bench.pass(TICK);
+    assert!(theirs.iter().all(|ticket| ticket.check().is_ok()));
+    drop(theirs);
+    let heir = held_by(0, other);
+    bench.broker.bar_holder(&supervisor, suspect).unwrap().without_waiting();
+    bench.pass(TICK);
+    assert_eq!(heir.check(), Ok(()), "the seat is not the suspect's any more");
 }

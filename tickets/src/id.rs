@@ -93,3 +93,19 @@ impl fmt::Display for GateId {
         write!(f, "gate {}", self.0)
     }
 }
+
+/// Who holds tickets, by a number of the mission's own: a thread, a subsystem.
+/// A supervisor can bar all tickets of a holder together.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct HolderId(pub u16);
+
+impl HolderId {
+    /// Nobody in particular.
+    pub const UNNAMED: Self = Self(0);
+}
+
+impl fmt::Display for HolderId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "holder {}", self.0)
+    }
+}

@@ -1,6 +1,6 @@
 //! A grant's standing: the few words through which it is revoked and checked.
 
-use crate::id::{Priority, TicketId};
+use crate::id::{HolderId, Priority, TicketId};
 use crate::sync::{AtomicUsize, Ordering};
 
 /// What is published of the grant in one seat of the broker's table.
@@ -12,6 +12,7 @@ use crate::sync::{AtomicUsize, Ordering};
 /// | `broker_stamp` | the agent, under a gate's lock | the broker's epoch that it had read before it decided |
 /// | `barred` | supervisors, before the increment | the serial that was meant |
 /// | `occupant` | the agent | the serial of the grant that has the seat |
+/// | `holder` | the agent | whose grant it is, by the mission's own number |
 /// | `agents` | the agent | which agents its gates belong to, one bit each |
 /// | `exempt_*` | the holder, in revoke-all-but-me | the broker's epoch that the holder made itself |
 /// | `why_*` | the agent, before the increment | what the epoch in `explains` means |
@@ -27,6 +28,7 @@ pub struct Standing {
     epoch: AtomicUsize,
     occupant: AtomicUsize,
     agents: AtomicUsize,
+    holder: AtomicUsize,
     stamp: AtomicUsize,
     broker_stamp: AtomicUsize,
     barred: AtomicUsize,
@@ -126,6 +128,7 @@ impl Standing {
             epoch: AtomicUsize::new(1),
             occupant: zero(),
             agents: zero(),
+            holder: zero(),
             stamp: zero(),
             broker_stamp: zero(),
             barred: zero(),
@@ -162,6 +165,22 @@ impl Standing {
         // that the reason may not be its own.
         self.agents.store(agents, Ordering::Relaxed);
         self.occupant.store(serial, Ordering::Release);
+    }
+
+    /// Names the holder of the grant that is about to be seated.
+    pub fn set_holder(&self, holder: HolderId) {
+        // Relaxed: ordered before the occupant by that one's Release.
+        self.holder.store(usize::from(holder.0), Ordering::Relaxed);
+    }
+
+    /// The serial of the grant in this seat, if it is this holder's.
+    #[must_use]
+    pub fn occupant_of(&self, holder: HolderId) -> Option<usize> {
+        // Acquire: pairs with the Release in `seat`. Should the seat change
+        // hands after this, a bar with this serial is found to be stale.
+        let serial = self.occupant.load(Ordering::Acquire);
+        let theirs = self.holder.load(Ordering::Relaxed) == usize::from(holder.0);
+        (serial != 0 && theirs).then_some(serial)
     }
 
     /// Adds to the agents that its gates belong to.

@@ -1,7 +1,7 @@
 //! How grants come and go: requests, relinquishing, bars, limits that run out.
 
 use faregate_tickets::amount::{Microjoules, Milligrams, Milliwatts};
-use faregate_tickets::id::{GateId, Priority, TicketId};
+use faregate_tickets::id::{GateId, HolderId, Priority, TicketId};
 use faregate_tickets::standing::Why;
 use faregate_tickets::ticket::Holder;
 use faregate_tickets::validity::{Function, Validity};
@@ -18,6 +18,7 @@ use super::{Actions, Books, bit, gates_of};
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Ask {
     priority: Priority,
+    holder: HolderId,
     gates: heapless::Vec<(GateId, Validity), MAX_SET_GATES>,
 }
 
@@ -28,7 +29,20 @@ impl Ask {
         let mut gates = heapless::Vec::new();
         // An empty vector has room for one.
         let _ = gates.push((gate, validity));
-        Self { priority, gates }
+        Self { priority, holder: HolderId::UNNAMED, gates }
+    }
+
+    /// For this holder.
+    #[must_use]
+    pub fn held_by(mut self, holder: HolderId) -> Self {
+        self.holder = holder;
+        self
+    }
+
+    /// Who asks.
+    #[must_use]
+    pub fn holder(&self) -> HolderId {
+        self.holder
     }
 
     /// And another.

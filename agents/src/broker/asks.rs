@@ -6,7 +6,7 @@ use core::fmt;
 use faregate_tickets::clock::Clock;
 use faregate_tickets::device::Device;
 use faregate_tickets::gate::Handle as GateHandle;
-use faregate_tickets::id::{GateId, Priority, TicketId};
+use faregate_tickets::id::{GateId, HolderId, Priority, TicketId};
 use faregate_tickets::lock::Exclusion;
 use faregate_tickets::notify::Notify;
 use faregate_tickets::platform::Platform;
@@ -42,7 +42,7 @@ impl<'g, D: Device, P: Platform> Handle<'g, D, P> {
     /// The gate, with this validity function.
     #[must_use]
     pub fn limited(&self, validity: impl Into<Validity>) -> Want<'g, D, P> {
-        Want { handle: *self, validity: validity.into() }
+        Want { handle: *self, validity: validity.into(), holder: HolderId::UNNAMED }
     }
 }
 
@@ -64,6 +64,17 @@ impl<D: Device, P: Platform> fmt::Debug for Handle<'_, D, P> {
 pub struct Want<'g, D: Device, P: Platform> {
     handle: Handle<'g, D, P>,
     validity: Validity,
+    holder: HolderId,
+}
+
+impl<D: Device, P: Platform> Want<'_, D, P> {
+    /// For this holder, whose tickets a supervisor can bar together. In a set
+    /// the first member's holder counts.
+    #[must_use]
+    pub fn held_by(mut self, holder: HolderId) -> Self {
+        self.holder = holder;
+        self
+    }
 }
 
 impl<D: Device, P: Platform> fmt::Debug for Want<'_, D, P> {
@@ -125,7 +136,7 @@ impl<
         priority: Priority,
     ) -> Result<Ask, RequestRefused> {
         let gate = broker.known(&self.handle)?;
-        Ok(Ask::new(priority, gate, self.validity))
+        Ok(Ask::new(priority, gate, self.validity).held_by(self.holder))
     }
 
     fn tickets(
@@ -186,7 +197,7 @@ macro_rules! tuple_of_wants {
                     let gate = broker.known(&self.$field.handle)?;
                     let validity = self.$field.validity;
                     ask = Some(match ask {
-                        None => Ask::new(priority, gate, validity),
+                        None => Ask::new(priority, gate, validity).held_by(self.$field.holder),
                         Some(ask) => ask.and(gate, validity)?,
                     });
                 )+
@@ -278,7 +289,10 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
             self.carry_out(ledger, now, &passed);
             let (id, actions) = ledger.books.request(ask)?;
             let agents = ledger.books.agents_of(id);
-            self.with_standing(id.seat, |standing| standing.seat(id.serial, agents));
+            self.with_standing(id.seat, |standing| {
+                standing.set_holder(ask.holder());
+                standing.seat(id.serial, agents);
+            });
             ledger.lane.record(Record::of(now, id, RecordedEvent::Requested { priority }));
             self.carry_out(ledger, now, &actions);
             Ok(id)

@@ -6,7 +6,7 @@ use faregate_tickets::amount::Milliwatts;
 use faregate_tickets::clock::Clock;
 use faregate_tickets::device::Device;
 use faregate_tickets::gate::{Blocked, Key};
-use faregate_tickets::id::{GateId, Priority, TicketId};
+use faregate_tickets::id::{GateId, HolderId, Priority, TicketId};
 use faregate_tickets::notify::Notify;
 use faregate_tickets::platform::Platform;
 use faregate_tickets::recorder::{Lane, Record, RecordedEvent};
@@ -151,6 +151,34 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
         self.scope.note_bar();
         self.notify.service_due();
         Ok(self.revoked(agents))
+    }
+
+    /// Bars every ticket that this holder has; see [`Broker::bar`]. Each is
+    /// reinstated by itself.
+    ///
+    /// # Errors
+    /// [`NotYours::OtherScope`]: it takes a supervisor of the whole broker.
+    ///
+    /// # Timing
+    /// One look at each seat, and as [`Broker::bar`] for each ticket found;
+    /// nobody can delay it.
+    pub fn bar_holder(
+        &self,
+        supervisor: &Supervisor,
+        holder: HolderId,
+    ) -> Result<Revoked<'_>, NotYours> {
+        self.scope_of(supervisor)?;
+        if supervisor.agent.is_some() {
+            return Err(NotYours::OtherScope);
+        }
+        for standing in &self.standings {
+            if let Some(serial) = standing.occupant_of(holder) {
+                standing.bar(serial);
+            }
+        }
+        self.scope.note_bar();
+        self.notify.service_due();
+        Ok(self.revoked(usize::MAX))
     }
 
     /// Puts a barred ticket back in line, behind those who came meanwhile.
