@@ -2,6 +2,7 @@
 # Runs every example to its end. Usage: ci/examples.sh
 set -euo pipefail
 cd "$(dirname "$0")/.."
+mkdir -p target
 for file in examples/*.rs examples/*/main.rs; do
     example=$(basename "${file%/main.rs}" .rs)
     echo "== $example"

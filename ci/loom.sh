@@ -70,6 +70,12 @@ if [[ ${1:-} == --help ]]; then
     usage
     exit
 fi
+for mutant in "$@"; do
+    grep -Eq "^(tickets|agents)/$mutant \|" <<<"$mutants" || {
+        echo "there is no mutant $mutant; see the table in $0" >&2
+        exit 2
+    }
+done
 mkdir -p target/loom
 if [[ $# -eq 0 ]]; then
     all_models

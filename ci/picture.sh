@@ -3,6 +3,7 @@
 # does now. Usage: ci/picture.sh [--write]
 set -euo pipefail
 cd "$(dirname "$0")/.."
+mkdir -p target
 picture=target/emergency.svg
 [[ ${1:-} == --write ]] && picture=docs/emergency.svg
 cargo run --locked --quiet --release --example stuck_thruster -- --seed 1 --runs 1 --svg "$picture" >/dev/null

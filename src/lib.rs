@@ -13,8 +13,8 @@
 //!    admitted before is over at quiescence, which can be waited for.
 //! 3. **Open Door.** A valid ticket's command is issued: nobody else can make it
 //!    fail.
-//! 4. **Constant Revoke.** Revoking one ticket or a hundred thousand is one
-//!    increment; nobody can delay it.
+//! 4. **Constant Revoke.** Revoking one ticket or all of them is one increment;
+//!    nobody can delay it.
 //! 5. **Highest First.** Who has what is one greedy walk down one total order.
 //! 6. **Margin Kept.** What may be on is charged until it is freshly seen off.
 //! 7. **Bounded Hand-over.** Its longest time is computed from declared times.

@@ -95,6 +95,22 @@ fn every_mutant_exists_is_named_and_is_killed_in_ci() {
 }
 
 #[test]
+fn every_mutant_that_an_essay_breaks_is_in_the_table() {
+    let script = read("ci/loom.sh");
+    let mut broken = 0;
+    for essay in ["arbitration", "gate", "hand-over", "time"] {
+        let text = read(&format!("docs/{essay}.md")).replace('\n', " ");
+        for command in quoted(&text).filter_map(|word| word.strip_prefix("ci/loom.sh ")) {
+            for mutant in command.split_whitespace() {
+                assert!(script.contains(&format!("/{mutant} |")), "{essay}: no {mutant}");
+                broken += 1;
+            }
+        }
+    }
+    assert!(broken >= 5, "only {broken} mutants were found: have the essays another form now?");
+}
+
+#[test]
 fn every_check_that_the_readme_names_is_there() {
     let readme = read("README.md");
     let mut checks = 0;

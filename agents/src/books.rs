@@ -159,13 +159,15 @@ pub enum Noted {
     Faulted(GateId, GateFault),
 }
 
-/// Each revoked grant has a gate, but for the one that the event itself names.
+/// Each revoked grant has a gate, but for the one that the event itself names;
+/// of those whose time is over, as many are ended in a step as there may be
+/// gates.
 const ACTIONS: usize = MAX_GATES + 8;
 
 impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     const CAPACITIES: () = {
         assert!(G >= 1 && G <= MAX_GATES, "gates are kept in the bits of one word");
-        assert!(T >= 1 && T < MAX_SEATS, "seats are linked by 16-bit numbers");
+        assert!(T >= 1 && T <= MAX_SEATS, "seats are linked by 16-bit numbers");
         assert!(S <= MAX_GATES, "the table of candidates has room for so many sets");
     };
 

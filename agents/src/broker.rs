@@ -25,7 +25,7 @@ use faregate_tickets::standing::Standing;
 use faregate_tickets::ticket::{Holder, Issuer, Seat};
 
 use crate::books::{Actions, Books, DeviceReport, Event, Noted};
-use crate::limits::MAX_AGENTS;
+use crate::limits::{MAX_AGENTS, MAX_GATES};
 use crate::policy::{Categories, Policy};
 use crate::refusal::Waiting;
 
@@ -55,7 +55,13 @@ struct Ledger<P: Platform, const G: usize, const T: usize, const S: usize> {
     clock: P::Clock,
     lane: P::Lane,
     bars_seen: usize,
+    /// Tickets that became valid or ended, to be notified by the next service,
+    /// which has been asked for.
+    changed: heapless::Vec<TicketId, CHANGED>,
 }
+
+/// What one step can change, twice over.
+const CHANGED: usize = 4 * MAX_GATES;
 
 /// Why an agent or a gate could not be registered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -97,7 +103,13 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
             scope: Scope::new(),
             agents: core::array::from_fn(|_| Scope::new()),
             standings: core::array::from_fn(|_| Standing::new()),
-            ledger: Exclusion::new(Ledger { books, clock, lane, bars_seen: 0 }),
+            ledger: Exclusion::new(Ledger {
+                books,
+                clock,
+                lane,
+                bars_seen: 0,
+                changed: heapless::Vec::new(),
+            }),
             notify,
         }
     }
@@ -152,11 +164,13 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
     }
 
     /// The sensors' word on a device. Its measurement counts, not its arrival.
+    /// One from the future, and one about a gate that is not here, is ignored.
     ///
     /// # Timing
     /// One step of the books; what follows from it is for the next service.
     pub fn observe(&self, gate: GateId, estimate: Estimate) {
-        self.tell(Event::Observed(gate, estimate));
+        // Where the books cannot be entered, nothing is credited.
+        let _ = self.tell(Event::Observed(gate, estimate));
     }
 
     /// What a ticket waits for; `None` if it waits for nothing.
@@ -196,19 +210,25 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
         self.enter(|ledger| ledger.books.clone())
     }
 
+    /// How many seats are free.
+    pub fn free_seats(&self) -> Option<usize> {
+        self.enter(|ledger| ledger.books.free_seats())
+    }
+
     /// The present instant, by the broker's clock.
     pub fn now(&self) -> Option<Instant> {
         self.enter(|ledger| ledger.clock.now())
     }
 
     /// An event that somebody outside brings.
-    fn tell(&self, event: Event) {
-        self.enter(|ledger| {
+    fn tell(&self, event: Event) -> Option<()> {
+        let told = self.enter(|ledger| {
             let now = ledger.clock.now();
             let actions = ledger.books.steps([Event::Tick(now), event]);
             self.carry_out(ledger, now, &actions);
         });
         self.notify.service_due();
+        told
     }
 
     /// Alone with the ledger. There is nobody to tell if that fails: the lock's
@@ -219,6 +239,13 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
 
     /// What a step asks for at once: increments, and records.
     fn carry_out(&self, ledger: &mut Ledger<P, G, T, S>, now: Instant, actions: &Actions) {
+        for ticket in actions.granted.iter().chain(&actions.ended) {
+            if ledger.changed.push(*ticket).is_err() {
+                // More than fits between two services: better under the lock
+                // than not at all.
+                self.notify.ticket_changed(*ticket);
+            }
+        }
         let lane = &mut ledger.lane;
         // What was granted in this step may have been revoked in it.
         for ticket in &actions.granted {

@@ -12,9 +12,9 @@ pub const MAX_AGENTS: usize = 8;
 /// The most gates of one all-or-nothing request.
 pub const MAX_SET_GATES: usize = 8;
 
-/// One more than the most seats of one broker: seats are linked by 16-bit
-/// numbers, one of which means "none".
-pub const MAX_SEATS: usize = u16::MAX as usize;
+/// The most seats of one broker: seats are linked by 16-bit numbers, one of
+/// which means "none".
+pub const MAX_SEATS: usize = u16::MAX as usize - 1;
 
 /// Of so many seats one is kept for fault responses: who is less important
 /// cannot fill the table before them.
@@ -27,4 +27,4 @@ pub const LARGEST_SUPPLY: Milliwatts = Milliwatts::new(1 << 57);
 const _: () = assert!(MAX_GATES <= 1 << (63 - 57), "64 draws that fit the supply fit a sum");
 
 /// The levels of a roster, one for each priority.
-pub const LEVELS: usize = 256;
+pub(crate) const LEVELS: usize = 256;

@@ -41,8 +41,8 @@ pub enum RequestRefused {
     NoCapacity(Capacity),
     /// The ticket to be extended is stale or expired.
     Stale,
-    /// The broker's lock cannot be entered: a thread died inside, or this one
-    /// is inside.
+    /// The broker's lock cannot be entered (a thread died inside, or this one
+    /// is inside), or the broker was closed.
     Unavailable,
 }
 
@@ -84,7 +84,9 @@ impl fmt::Display for RequestRefused {
                 f.write_str("too many validity functions, the lease included")
             }
             Self::Stale => f.write_str("the ticket has expired; request a new one"),
-            Self::Unavailable => f.write_str("the broker's books cannot be entered"),
+            Self::Unavailable => {
+                f.write_str("the broker's books cannot be entered, or it was closed")
+            }
         }
     }
 }
@@ -121,7 +123,7 @@ pub enum Waiting {
         /// Who has it.
         by: TicketId,
     },
-    /// The gate is faulted; a supervisor can reset it.
+    /// The gate is faulted; a supervisor can reset it, unless its owner died.
     Faulted {
         /// Which gate.
         gate: GateId,

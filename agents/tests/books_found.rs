@@ -10,9 +10,12 @@ use std::sync::atomic::Ordering::Relaxed;
 use books::lamp::Switch;
 use books::step::{Limit, Step};
 use books::world::{Declared, GATES, Ground, Rules, Setup, World};
-use faregate_agents::DeviceState;
-use faregate_tickets::clock::Duration;
-use faregate_tickets::id::GateId;
+use faregate_agents::{Ask, Books, Categories, DeviceState, Event, Policy};
+use faregate_tickets::clock::{Duration, Instant};
+use faregate_tickets::device::Profile;
+use faregate_tickets::id::{GateId, Priority};
+use faregate_tickets::ticket::Holder;
+use faregate_tickets::validity::{Function, Validity};
 
 const LAMP: Declared = Declared {
     agent: 0,
@@ -231,4 +234,30 @@ fn what_was_seen_on_stays_charged_when_its_holder_leaves_it() {
         world.service();
         assert_eq!(world.books.charged(0).get(), LAMP.draw);
     });
+}
+
+#[test]
+fn each_ticket_whose_time_is_over_is_reported_once_however_many_there_are() {
+    let mut books = Box::new(Books::<4, 256, 16>::new(Instant::START));
+    let agent = books.add_agent(Policy::unlimited()).unwrap();
+    let gates = [(); 3].map(|()| books.add_gate(agent, Profile::new(), Categories::NONE).unwrap());
+    let ask = |gate| Ask::new(Priority::EMERGENCY, gate, Validity::always());
+    let holders = gates.map(|gate| books.request(&ask(gate)).unwrap().0);
+    let window: Validity = Function::window(Instant::START, Instant::from_micros(10)).into();
+    let short = |gate| Ask::new(Priority::EMERGENCY, gate, window);
+    for _ in 0..64 {
+        books.request(&short(gates[0])).unwrap();
+    }
+    for _ in 0..16 {
+        books.request(&short(gates[1]).and(gates[2], window).unwrap()).unwrap();
+    }
+    for (gate, holder) in gates.iter().zip(holders) {
+        books.relinquished(holder, *gate, Holder::Lives);
+    }
+    let taken = 256 - books.free_seats();
+    let mut ended = 0;
+    for _ in 0..3 {
+        ended += books.step(Event::Tick(Instant::from_micros(20))).ended.len();
+    }
+    assert_eq!((taken, ended, books.free_seats()), (80, 80, 256));
 }

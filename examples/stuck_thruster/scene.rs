@@ -109,8 +109,8 @@ impl Scene {
         self
     }
 
-    /// The same scene for designs in which holders and drivers cannot be told
-    /// apart from the rest: they are spared these two troubles.
+    /// The same scene, in which the first rescuer lives: for designs that have
+    /// nothing against its death, and are not to lose by it.
     pub(crate) fn without_deaths(mut self) -> Self {
         self.rescuer_dies = false;
         self

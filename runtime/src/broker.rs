@@ -180,7 +180,7 @@ impl Builder {
         })?;
         let report = told.recv().unwrap_or_default();
         let threads = Arc::new(Mutex::new(Some(Threads { service, draining, stop })));
-        Ok(Broker { agents, waiters, report, threads })
+        Ok(Broker { agents, waiters, report, threads, closed: Arc::default() })
     }
 }
 
@@ -230,6 +230,7 @@ pub struct Broker {
     waiters: &'static Waiters,
     report: RealTimeReport,
     threads: Arc<Mutex<Option<Threads>>>,
+    closed: Arc<AtomicBool>,
 }
 
 /// The broker was not closed: tickets are still held.
@@ -295,6 +296,9 @@ impl Broker {
     where
         W: Wants<'static, 'static, Host, &'static Waiters, GATES, TICKETS, SETS>,
     {
+        if self.closed.load(Ordering::SeqCst) {
+            return Err(RequestRefused::Unavailable);
+        }
         self.agents.request(priority, wants)
     }
 
@@ -317,7 +321,7 @@ impl Broker {
     /// [`NotValid`], with what the ticket waits for.
     ///
     /// # Timing
-    /// At most `timeout`, and the step of a hand-over that is in progress then.
+    /// At most `timeout`, and the call of service that is in progress then.
     ///
     /// # After revocation
     /// Waits until the ticket is restored.
@@ -350,15 +354,21 @@ impl Broker {
     }
 
     /// Ends the service and the recorder, after a last drain. Every ticket must
-    /// have gone: one without service would outlive its limits.
+    /// have gone: one without service would outlive its limits. From then on
+    /// requests are refused.
     ///
     /// # Errors
     /// [`StillHeld`], and the broker goes on.
+    ///
+    /// # Timing
+    /// Waits for both threads: for the end of a program.
     pub fn close(&self) -> Result<(), StillHeld> {
+        // SeqCst: a request that does not see this has its ticket counted.
+        self.closed.store(true, Ordering::SeqCst);
         self.agents.service();
-        let free = self.agents.books().map_or(0, |books| books.free_seats());
-        let tickets = TICKETS - free;
+        let tickets = self.agents.free_seats().map_or(0, |free| TICKETS - free);
         if tickets > 0 {
+            self.closed.store(false, Ordering::SeqCst);
             return Err(StillHeld { tickets });
         }
         let threads = self.threads.lock().unwrap_or_else(PoisonError::into_inner).take();

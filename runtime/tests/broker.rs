@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
 use std::thread;
 
-use faregate_agents::{Policy, Waiting};
+use faregate_agents::{Policy, RequestRefused, Waiting};
 use faregate_runtime::broker::WAITERS;
 use faregate_runtime::{Broker, Handle, NotValid, StillHeld};
 use faregate_tickets::Device;
@@ -35,7 +35,9 @@ impl Device for Lamp {
     type Fault = ();
 
     fn profile(&self) -> Profile {
-        Profile::new().drawing(Milliwatts::from_watts(8))
+        let mut profile = Profile::new().drawing(Milliwatts::from_watts(8));
+        profile.longest_command = Duration::from_secs(1);
+        profile
     }
 
     fn declare(command: &Switch) -> Declaration {
@@ -254,6 +256,8 @@ fn a_broker_is_closed_when_its_tickets_are_gone() {
     drop(ticket);
     assert_eq!(bench.broker.close(), Ok(()));
     assert_eq!(bench.broker.close(), Ok(()), "and stays closed");
+    let late = bench.broker.request(Priority::SCIENCE, &bench.lamps[0]);
+    assert_eq!(late.err(), Some(RequestRefused::Unavailable));
 }
 
 #[test]

@@ -13,7 +13,8 @@ pub enum GateFault {
     Overran,
     /// A command had not come back when quiescence was due.
     Hung,
-    /// A thread died inside a command, without unwinding.
+    /// A thread died inside a command, without unwinding. What it left behind
+    /// the lock may be torn, so this one is for good: it cannot be reset.
     OwnerDied,
 }
 

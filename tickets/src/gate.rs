@@ -7,7 +7,7 @@ mod key;
 use core::fmt;
 
 use crate::clock::Instant;
-use crate::device::{Device, Effect, Profile};
+use crate::device::{Declaration, Device, Effect, Profile};
 use crate::fault::GateFault;
 use crate::interlock::Member;
 use crate::lock::{Exclusion, Shut, Strategy};
@@ -230,7 +230,7 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
             self.published.tenant.load(Ordering::Relaxed)
         };
         let declared = D::declare(&command);
-        self.agree(inside, declared.effect)?;
+        self.agree(inside, &declared)?;
         let started = inside.now();
         inside.record_refused(started, serial, refused);
         // Before the driver runs: one that unwinds was given it all the same.
@@ -251,10 +251,11 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
     /// Checks every validity function, then commits every one. Counted before
     /// the driver runs, so that a driver which unwinds has used what it used;
     /// nobody can look in between.
-    fn agree(&self, inside: &mut Inside<D, P>, effect: Effect) -> Result<(), Refusal> {
-        if self.exceeds_profile(effect) {
+    fn agree(&self, inside: &mut Inside<D, P>, declared: &Declaration) -> Result<(), Refusal> {
+        if self.exceeds_profile(declared) {
             return Err(Refusal::Undeclared);
         }
+        let effect = declared.effect;
         let now = inside.now();
         let ask = crate::validity::Ask { now, effect, telemetry: self.telemetry };
         inside.validity.check(&ask).map_err(Refusal::Denied)?;
@@ -267,11 +268,15 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
         Ok(())
     }
 
-    fn exceeds_profile(&self, effect: Effect) -> bool {
-        match effect {
+    /// The margin is charged by the profile, and the bound of a hand-over
+    /// computed from it.
+    fn exceeds_profile(&self, declared: &Declaration) -> bool {
+        let slower = declared.wcet > self.profile.longest_command;
+        let draws_more = match declared.effect {
             Effect::On { draw, flow } => draw > self.profile.draw || flow > self.profile.flow,
             Effect::Unchanged | Effect::Off => false,
-        }
+        };
+        slower || draws_more
     }
 
     fn interlock_agrees(&self, inside: &Inside<D, P>, effect: Effect) -> Result<(), Refusal> {

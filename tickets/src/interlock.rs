@@ -20,7 +20,8 @@ use core::fmt;
 use crate::sync::{AtomicUsize, Ordering, array_of, const_unless_loom, fence};
 use crate::validity::{Denial, Rule};
 
-/// Two sides that may never both be on.
+/// Two sides that may not both be on. Only tickets with the function are held
+/// back: who commands without it announces, and is not asked.
 #[derive(Debug)]
 pub struct Interlock {
     /// Which places of each side are taken.
@@ -106,8 +107,9 @@ impl Member<'_> {
     /// # Timing
     /// Constant: one atomic operation.
     pub(crate) fn announce(&self) {
-        // Relaxed: `enter` puts a fence behind it. The old value is not used,
-        // because to get it x86 loops; without it this is a `lock or`.
+        // Relaxed: `enter` puts a fence behind it; the other callers do not look
+        // at the other side. The old value is not used, because to get it x86
+        // loops; without it this is a `lock or`.
         self.own.fetch_or(self.bit, Ordering::Relaxed);
     }
 

@@ -22,14 +22,14 @@ pub enum Refusal {
     },
     /// The validity function does not agree.
     Denied(Denial),
-    /// The gate is faulted; a supervisor can reset it.
+    /// The gate is faulted; a supervisor can reset it, unless its owner died.
     Faulted(GateFault),
     /// Somebody else is inside the gate, and the caller did not want to wait.
     Busy,
     /// The calling thread is inside the gate already: a driver must not call
     /// tickets.
     Reentered,
-    /// The command declares more draw or flow than its device's profile.
+    /// The command declares more draw, flow or time than its device's profile.
     Undeclared,
 }
 

@@ -161,9 +161,9 @@ impl Standing {
         self.barred.store(0, Ordering::Relaxed);
         let epoch = self.epoch.load(Ordering::Relaxed);
         self.explain(epoch, Why::NotYetGranted);
+        self.agents.store(agents, Ordering::Relaxed);
         // Release: who reads a reason and then finds another occupant knows
         // that the reason may not be its own.
-        self.agents.store(agents, Ordering::Relaxed);
         self.occupant.store(serial, Ordering::Release);
     }
 
@@ -183,7 +183,7 @@ impl Standing {
         (serial != 0 && theirs).then_some(serial)
     }
 
-    /// Adds to the agents that its gates belong to.
+    /// Names the agents that its gates belong to, when it has got more of them.
     pub fn set_agents(&self, agents: usize) {
         self.agents.store(agents, Ordering::Relaxed);
     }
@@ -191,9 +191,8 @@ impl Standing {
     /// The agents that its gates belong to, one bit each.
     #[must_use]
     pub fn agents(&self) -> usize {
-        // Relaxed: written before the seat is given, and read by who looks at
-        // the occupant first; where a seat changes hands meanwhile, the bar
-        // that follows is found to be stale.
+        // Relaxed: it says who has authority over the ticket. One that is being
+        // extended at this moment may belong to one agent more.
         self.agents.load(Ordering::Relaxed)
     }
 

@@ -20,8 +20,8 @@ pub trait Issuer: Sync {
     /// can point to is the issuer's own scope: a seat without it is ignored.
     ///
     /// # Timing
-    /// Constant: called from `Drop`, so it unlinks and marks, and leaves the
-    /// device to the next service.
+    /// Called from `Drop`: it unlinks and marks, waits at most for one step of
+    /// the books, and leaves the device to the next service.
     fn relinquish(&self, seat: &Seat<'_>, refused: u32, holder: Holder);
 }
 
@@ -80,7 +80,8 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
     /// the reason; [`InvokeError::Fault`] if its driver faulted on it.
     ///
     /// # Timing
-    /// A refusal looks at seven words. An admitted command waits for at most
+    /// A ticket that is not valid is refused after a constant number of atomic
+    /// loads. An admitted command waits for at most
     /// the one check, command or safing in progress at the gate, with priority
     /// inheritance where the gate's strategy has it; beside the driver's own
     /// time the rest is constant: no loop, no allocation.
@@ -132,7 +133,7 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
     /// The reason why an invocation would be refused.
     ///
     /// # Timing
-    /// Constant: seven atomic loads.
+    /// A constant number of atomic loads.
     pub fn check(&self) -> Result<(), Refusal> {
         self.look().map(|_| ())
     }
@@ -149,6 +150,9 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
     }
 
     /// Gives the ticket back. Dropping it does the same.
+    ///
+    /// # Timing
+    /// Waits at most for one step of the books.
     pub fn relinquish(self) {}
 
     /// Revokes every ticket of the broker except this one, for a supervisor
@@ -160,7 +164,7 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
     /// valid until safe mode is left.
     ///
     /// # Timing
-    /// Constant: a look, two stores, one atomic increment, a look.
+    /// Constant: a look, three stores, one atomic increment, a look.
     pub fn revoke_all_but_me(&self, broker: &Scope, floor: Priority) -> bool {
         if !core::ptr::eq(broker, self.seat.broker) {
             return false;
@@ -191,6 +195,7 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
         let (tenant, admitted_at) = self.gate.tenant();
         let epoch = broker.epoch();
         let valid = (cfg!(feature = "mutant-any-tenant") || tenant == id.serial)
+            && standing.is_occupied_by(id.serial)
             && standing.own_is_current()
             && admitted_at == agent.epoch()
             && standing.broker_is_current(id.serial, epoch);
@@ -206,10 +211,13 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
             return Refusal::Faulted(fault);
         }
         let Seat { id, standing, agent, broker, .. } = self.seat;
-        if !standing.own_is_current() || self.gate.tenant().0 != id.serial {
+        let seated = standing.is_occupied_by(id.serial) && standing.own_is_current();
+        if !seated || self.gate.tenant().0 != id.serial {
             return Refusal::NotValid(standing.why(id.serial));
         }
-        Refusal::RevokedAll { floor: broker.floor().or(agent.floor()) }
+        let floors = [broker.floor(), agent.floor()];
+        let floor = floors.into_iter().flatten().max_by_key(|floor| floor.level());
+        Refusal::RevokedAll { floor }
     }
 
     /// Counts on from `before`, which was taken out and not recorded.

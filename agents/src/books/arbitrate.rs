@@ -110,7 +110,8 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         let Some(grant) = self.grant(seat).filter(|grant| grant.is_eligible()) else {
             return false;
         };
-        grant.exempt || self.floors(grant.gates).all(|seen| seen.admits(grant.priority))
+        let admitted = self.floors(grant.gates).all(|seen| seen.admits(grant.priority));
+        (grant.exempt || admitted) && !self.is_over(seat)
     }
 
     pub(super) fn floors(&self, gates: u64) -> impl Iterator<Item = Seen> {

@@ -226,7 +226,8 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
             Phase::Leaving { hung: true, retry_at } => Some(retry_at),
             _ => None,
         });
-        times.min()
+        let over = self.more_is_over().then_some(self.now);
+        times.chain(over).min()
     }
 
     pub(super) fn tick(&mut self, now: Instant, actions: &mut Actions) {

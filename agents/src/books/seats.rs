@@ -352,17 +352,27 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         }
         for set in 0..S {
             let seat = self.sets.get(set).and_then(|set| set.seat);
+            if actions.ended.len() >= MAX_GATES {
+                return;
+            }
             if let Some(seat) = seat.filter(|seat| self.is_over(*seat)) {
                 self.end(seat, actions);
             }
         }
     }
 
+    /// Whether there was more to end than one step can.
+    pub(super) fn more_is_over(&self) -> bool {
+        let mut lines = (0..self.devices.len()).filter_map(|gate| self.first_in_line(gate));
+        let mut sets = self.sets.iter().filter_map(|set| set.seat);
+        lines.any(|seat| self.is_over(seat)) || sets.any(|seat| self.is_over(seat))
+    }
+
     fn first_in_line(&self, gate: usize) -> Option<u16> {
         self.rosters.first(gate).and_then(|seat| u16::try_from(seat).ok())
     }
 
-    fn is_over(&self, seat: u16) -> bool {
+    pub(super) fn is_over(&self, seat: u16) -> bool {
         let Some(grant) = self.grant(seat).filter(|grant| grant.state == State::Waiting) else {
             return false;
         };

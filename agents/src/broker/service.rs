@@ -10,7 +10,7 @@ use faregate_tickets::recorder::{Lane, Record, RecordedEvent};
 #[cfg(feature = "mutant-lost-bar")]
 use faregate_tickets::standing::Stamp;
 
-use crate::books::{Actions, Done, Event, Work};
+use crate::books::{Done, Event, Work};
 use crate::limits::MAX_GATES;
 
 use super::{Broker, Ledger};
@@ -64,7 +64,7 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
 
     /// Takes in what happened, and what can be seen, and looks what is due.
     fn look(&self, event: Option<Event>) -> Found {
-        let mut granted = heapless::Vec::<_, { MAX_GATES + 8 }>::new();
+        let mut changed = heapless::Vec::new();
         let found = self.ledger.with(|ledger| {
             let now = ledger.clock.now();
             self.look_for_bars(ledger, now);
@@ -74,13 +74,10 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
                 .books
                 .steps([Event::Tick(now), noticed, self.faults()].into_iter().chain(event));
             self.carry_out(ledger, now, &actions);
-            let Actions { granted: valid, ended, .. } = actions;
-            for ticket in valid.iter().chain(&ended) {
-                let _ = granted.push(*ticket);
-            }
+            changed = core::mem::take(&mut ledger.changed);
             self.find(ledger, now)
         });
-        for ticket in granted {
+        for ticket in changed {
             self.notify.ticket_changed(ticket);
         }
         found.unwrap_or(Found::Due(None))

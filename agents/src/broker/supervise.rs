@@ -35,6 +35,9 @@ pub enum NotYours {
     OtherScope,
     /// The ticket has ended; nobody was revoked.
     Stale,
+    /// The broker's books cannot be entered: a thread died inside, or this one
+    /// is inside.
+    Unavailable,
 }
 
 impl fmt::Display for NotYours {
@@ -42,6 +45,7 @@ impl fmt::Display for NotYours {
         f.write_str(match self {
             Self::OtherScope => "the supervisor has no authority there",
             Self::Stale => "the ticket has ended already",
+            Self::Unavailable => "the broker's books cannot be entered",
         })
     }
 }
@@ -143,14 +147,14 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
     /// [`NotYours`].
     ///
     /// # Timing
-    /// Constant: three atomic writes; nobody can delay it.
+    /// Constant: three atomic writes, which nobody can delay; after them the
+    /// service is woken.
     pub fn bar(&self, supervisor: &Supervisor, ticket: TicketId) -> Result<Revoked<'_>, NotYours> {
-        let standing = self.standing_of(supervisor, ticket)?;
-        let agents = standing.agents();
-        standing.bar(ticket.serial);
+        self.standing_of(supervisor, ticket)?.bar(ticket.serial);
         self.scope.note_bar();
         self.notify.service_due();
-        Ok(self.revoked(agents))
+        // Its grant may be getting gates of other agents at this moment.
+        Ok(self.revoked(usize::MAX))
     }
 
     /// Bars every ticket that this holder has; see [`Broker::bar`]. Each is
@@ -185,6 +189,9 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
     ///
     /// # Errors
     /// [`NotYours`].
+    ///
+    /// # Timing
+    /// One call of [`Broker::service`], which may wait at gates, and one step.
     pub fn reinstate(&self, supervisor: &Supervisor, ticket: TicketId) -> Result<(), NotYours> {
         let standing = self.standing_of(supervisor, ticket)?;
         // The bar itself may not have been noticed yet.
@@ -193,8 +200,7 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
             standing.forget_bar();
         }
         self.order(RecordedEvent::Reinstated, ticket.serial);
-        self.tell(Event::Reinstated(ticket));
-        Ok(())
+        self.tell(Event::Reinstated(ticket)).ok_or(NotYours::Unavailable)
     }
 
     /// Enters safe mode: everything in the supervisor's scope is pre-empted,
@@ -205,8 +211,9 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
     /// [`NotYours::OtherScope`].
     ///
     /// # Timing
-    /// Constant: one atomic store and one atomic increment; nobody can delay
-    /// it. Making the devices safe takes the service its time.
+    /// Constant: one atomic store and one atomic increment, which nobody can
+    /// delay; after them the service is woken. Making the devices safe takes it
+    /// its time.
     pub fn enter_safe_mode(
         &self,
         supervisor: &Supervisor,
@@ -221,6 +228,9 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
     ///
     /// # Errors
     /// [`NotYours::OtherScope`].
+    ///
+    /// # Timing
+    /// One atomic store, and one entry into the books for the record.
     pub fn leave_safe_mode(&self, supervisor: &Supervisor) -> Result<(), NotYours> {
         self.scope_of(supervisor)?.leave_safe_mode();
         self.order(RecordedEvent::SafeModeLeft, 0);
@@ -272,15 +282,19 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
             return Err(NotYours::OtherScope);
         }
         self.order(RecordedEvent::Supply { supply }, 0);
-        self.tell(Event::Supply { agent: agent.number, supply });
-        Ok(())
+        let told = self.tell(Event::Supply { agent: agent.number, supply });
+        told.ok_or(NotYours::Unavailable)
     }
 
     /// Takes a faulted gate back into use: its driver may be called again, and
     /// its device is orphaned.
+    /// A gate whose owner died stays faulted.
     ///
     /// # Errors
     /// [`NotYours::OtherScope`].
+    ///
+    /// # Timing
+    /// One step of the books.
     pub fn reset_gate(&self, supervisor: &Supervisor, gate: GateId) -> Result<(), NotYours> {
         self.scope_of(supervisor)?;
         let agent = self.enter(|ledger| ledger.books.agent_of(gate)).flatten();
@@ -289,8 +303,7 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
         }
         self.key(gate).ok_or(NotYours::OtherScope)?.reopen();
         self.order(RecordedEvent::Reopened, 0);
-        self.tell(Event::Reset(gate));
-        Ok(())
+        self.tell(Event::Reset(gate)).ok_or(NotYours::Unavailable)
     }
 
     /// The standing of a ticket that the supervisor may bar and reinstate.

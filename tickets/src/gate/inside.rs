@@ -85,7 +85,7 @@ impl<D: Device, P: Platform> Inside<D, P> {
         self.record(at, ticket, RecordedEvent::Issued { code });
     }
 
-    /// Makes the gate faulted, unless it is already: the first reason stays.
+    /// Makes the gate faulted, unless it is already.
     pub(super) fn close(&mut self, published: &Published, fault: GateFault) {
         if published.fault().is_none() {
             published.set_fault(Some(fault));

@@ -19,6 +19,7 @@ fn main() {
     let (mut gate, open) = (bench::gate(), bench::gate());
     let (standing, agent, broker) = (Standing::new(), Scope::new(), Scope::new());
     let id = TicketId { seat: 0, serial: 1 };
+    standing.seat(id.serial, 1);
     let (standing, agent, broker) = (&standing, &agent, &broker);
     let seat = Seat { id, gate: GateId(0), standing, agent, broker };
     let (key, handle) = gate.key().split();
