@@ -118,7 +118,8 @@
 //! | [`limits`] | the capacities that are the same for every mission |
 #![no_std]
 // No panic path: what cannot be is a typed error or a masked index.
-#![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
+#![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![deny(clippy::unreachable, clippy::indexing_slicing)]
 #![forbid(unsafe_code)]
 
 mod books;

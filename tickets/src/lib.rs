@@ -129,7 +129,8 @@
 //! | [`amount`], [`id`] | exact amounts; priorities and identities |
 #![no_std]
 // No panic path: what cannot be is a typed error or a masked index.
-#![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::indexing_slicing)]
+#![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![deny(clippy::unreachable, clippy::indexing_slicing)]
 
 pub mod amount;
 pub mod clock;

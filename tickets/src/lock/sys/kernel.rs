@@ -40,6 +40,7 @@ impl Way {
 
 /// The kernel's other answers are to ids that are no thread's, or to words that
 /// somebody scribbled over.
+#[expect(clippy::unreachable, reason = "a kernel that breaks its promise, when contended")]
 pub(super) fn defect(what: &str, errno: libc::c_int) -> ! {
     unreachable!("the futex of a gate failed to {what}: errno {errno}")
 }
