@@ -174,16 +174,25 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
     }
 
     /// What a ticket waits for; `None` if it waits for nothing.
+    ///
+    /// # Timing
+    /// One entry into the books: waits at most for one step of them.
     pub fn waiting_for(&self, ticket: TicketId) -> Option<Waiting> {
         self.enter(|ledger| ledger.books.waiting_for(ticket)).flatten()
     }
 
     /// What the books know of a device.
+    ///
+    /// # Timing
+    /// One entry into the books: waits at most for one step of them.
     pub fn device(&self, gate: GateId) -> Option<DeviceReport> {
         self.enter(|ledger| ledger.books.device_report(gate)).flatten()
     }
 
     /// The agent's supply, and the sum of its charges, where it has a margin.
+    ///
+    /// # Timing
+    /// One entry into the books: waits at most for one step of them.
     pub fn margin(&self, agent: AgentId) -> Option<(Milliwatts, Milliwatts)> {
         let number = Some(agent.number).filter(|_| agent.tag == self.tag)?;
         self.enter(|ledger| {
@@ -195,27 +204,42 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
 
     /// The energy and the propellant that the agent can still promise. What is
     /// promised and not used comes back when its device is seen off.
+    ///
+    /// # Timing
+    /// One entry into the books: waits at most for one step of them.
     pub fn budgets(&self, agent: AgentId) -> Option<(Microjoules, Milligrams)> {
         let number = Some(agent.number).filter(|_| agent.tag == self.tag)?;
         self.enter(|ledger| ledger.books.budgets(number)).flatten()
     }
 
     /// The computed bound of a hand-over; see [`Books::hand_over_bound`].
+    ///
+    /// # Timing
+    /// One entry into the books: waits at most for one step of them.
     pub fn hand_over_bound(&self, gate: GateId, rounds: u32) -> Option<Duration> {
         self.enter(|ledger| ledger.books.hand_over_bound(gate, rounds)).flatten()
     }
 
     /// A copy of the books, for tests and displays.
+    ///
+    /// # Timing
+    /// Copies all of them inside the books' lock: not for a flight loop.
     pub fn books(&self) -> Option<Books<G, T, S>> {
         self.enter(|ledger| ledger.books.clone())
     }
 
     /// How many seats are free.
+    ///
+    /// # Timing
+    /// One entry into the books: waits at most for one step of them.
     pub fn free_seats(&self) -> Option<usize> {
         self.enter(|ledger| ledger.books.free_seats())
     }
 
     /// The present instant, by the broker's clock.
+    ///
+    /// # Timing
+    /// One entry into the books: waits at most for one step of them.
     pub fn now(&self) -> Option<Instant> {
         self.enter(|ledger| ledger.clock.now())
     }

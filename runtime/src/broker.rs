@@ -292,6 +292,10 @@ impl Broker {
     ///
     /// # Errors
     /// Only what can never be is refused here.
+    ///
+    /// # Timing
+    /// As [`faregate_agents::Broker::request`], and one system call to wake the
+    /// service. Never blocks.
     pub fn request<W>(&self, priority: Priority, wants: &W) -> Result<W::Tickets, RequestRefused>
     where
         W: Wants<'static, 'static, Host, &'static Waiters, GATES, TICKETS, SETS>,
@@ -306,6 +310,9 @@ impl Broker {
     ///
     /// # Errors
     /// [`RequestRefused`], and everything is as it was.
+    ///
+    /// # Timing
+    /// As [`Broker::request`].
     pub fn extend<D: Device, E: Device>(
         &self,
         ticket: &Ticket<D>,
@@ -349,6 +356,9 @@ impl Broker {
 
     /// What the sensors say about a device; see
     /// [`faregate_agents::Broker::observe`].
+    ///
+    /// # Timing
+    /// As [`faregate_agents::Broker::observe`], and one system call.
     pub fn observe(&self, gate: GateId, estimate: faregate_tickets::device::Estimate) {
         self.agents.observe(gate, estimate);
     }

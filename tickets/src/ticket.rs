@@ -105,6 +105,9 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
     ///
     /// # Timing
     /// Constant, beside the driver's own time.
+    ///
+    /// # After revocation
+    /// As [`invoke`](Ticket::invoke).
     pub fn try_invoke(&self, command: D::Command) -> Result<D::Response, InvokeError<D::Fault>> {
         let refused = self.refused.take();
         let result = self.gate.try_invoke(command, refused, || self.look());
@@ -119,6 +122,9 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
     ///
     /// # Timing
     /// As [`invoke`](Ticket::invoke), without a command.
+    ///
+    /// # After revocation
+    /// Refused: what is not valid has no lease that runs.
     pub fn renew(&self) -> Result<(), Refusal> {
         self.gate.renew(|| self.look())
     }
@@ -134,6 +140,9 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
     ///
     /// # Timing
     /// A constant number of atomic loads.
+    ///
+    /// # After revocation
+    /// Says why, until the ticket is restored.
     pub fn check(&self) -> Result<(), Refusal> {
         self.look().map(|_| ())
     }

@@ -121,6 +121,11 @@ impl<'g> Key<'g> {
     ///
     /// # Errors
     /// As [`Key::vacate`].
+    ///
+    /// # Timing
+    /// At most the command, check or safing in progress, with priority
+    /// inheritance where the gate's strategy has it; then the safing
+    /// command itself.
     pub fn safe(&self, tenure: usize, attempt: u8, timeout: Duration) -> Result<Safed, Blocked> {
         self.control.safe(tenure, attempt, timeout)
     }
@@ -129,6 +134,10 @@ impl<'g> Key<'g> {
     ///
     /// # Errors
     /// As [`Key::vacate`].
+    ///
+    /// # Timing
+    /// At most the command, check or safing in progress, with priority
+    /// inheritance where the gate's strategy has it.
     pub fn admit(&self, admission: Admission<'_>, timeout: Duration) -> Result<usize, Blocked> {
         self.control.admit(admission, timeout)
     }
@@ -138,11 +147,19 @@ impl<'g> Key<'g> {
     ///
     /// # Errors
     /// As [`Key::vacate`].
+    ///
+    /// # Timing
+    /// At most the command, check or safing in progress, with priority
+    /// inheritance where the gate's strategy has it.
     pub fn seen_off(&self, tenure: usize, at: Instant, timeout: Duration) -> Result<(), Blocked> {
         self.control.seen_off(tenure, at, timeout)
     }
 
     /// Whether a limit of the tenant with this serial has run out.
+    ///
+    /// # Timing
+    /// At most the command, check or safing in progress, with priority
+    /// inheritance where the gate's strategy has it.
     #[must_use]
     pub fn ran_out(&self, serial: usize, timeout: Duration) -> Option<RanOut> {
         self.control.ran_out(serial, timeout)
@@ -153,11 +170,18 @@ impl<'g> Key<'g> {
     ///
     /// # Errors
     /// As [`Key::vacate`].
+    ///
+    /// # Timing
+    /// At most the command, check or safing in progress, with priority
+    /// inheritance where the gate's strategy has it.
     pub fn pass(&self, timeout: Duration) -> Result<(), Blocked> {
         self.control.pass(timeout)
     }
 
     /// Resets a faulted gate.
+    ///
+    /// # Timing
+    /// One atomic store.
     pub fn reopen(&self) {
         self.control.reopen();
     }

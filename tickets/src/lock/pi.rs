@@ -21,8 +21,8 @@ use crate::clock::Duration;
 ///
 /// # Timing
 /// Uncontended: one compare-exchange to enter, one to leave; no loop, no system
-/// call. Contended: one system call to wait (again after a signal), and one of the owner's to hand
-/// over. `try_with` makes no system call where it does not enter.
+/// call. Contended: one system call to wait (again after a signal), and one of
+/// the owner's to hand over. `try_with` makes no system call where it does not enter.
 #[derive(Debug)]
 pub struct PiLocked<I>(PhantomData<fn() -> I>);
 
