@@ -71,7 +71,7 @@ impl Device for Camera {
             Power::On => (1, Effect::on(Milliwatts::ZERO)),
             Power::Off => (2, Effect::Off),
         };
-        Declaration { code, wcet: Duration::from_millis(10), effect }
+        Declaration { code, wcet: Duration::from_millis(1), effect }
     }
 
     fn issue(&mut self, command: Power) -> Result<(), ()> {
