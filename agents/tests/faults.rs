@@ -428,6 +428,30 @@ fn a_command_that_does_not_come_back_keeps_its_charge_and_the_next_victim_is_tak
 }
 
 #[test]
+fn a_victims_safing_that_hangs_holds_up_who_performs_it_and_nobody_else() {
+    let (bench, _) = Bench::new(margin(16), &[8, 8, 8]);
+    let (first, second) = (bench.ticket(1, 0), bench.ticket(2, 1));
+    first.invoke(Switch::On).unwrap();
+    second.invoke(Switch::On).unwrap();
+    let truth = bench.truths[0];
+    truth.hangs_in_safing.store(true, SeqCst);
+    truth.hold.store(true, SeqCst);
+    let rescuer = bench.broker.request(Priority::EMERGENCY, &bench.lamps[2]).unwrap();
+    let broker = bench.broker;
+    let service = std::thread::spawn(move || broker.service());
+    truth.wait_until_held();
+    for _ in 0..3 {
+        bench.pass(TICK);
+    }
+    let report = broker.device(bench.lamps[0].gate()).unwrap();
+    assert_eq!((report.state, report.fault), (DeviceState::Stuck, Some(GateFault::Hung)));
+    assert_eq!((rescuer.check(), bench.charged()), (Ok(()), 16), "the next victim was taken");
+    assert!(second.check().is_err());
+    truth.hold.store(false, SeqCst);
+    service.join().unwrap();
+}
+
+#[test]
 fn quiescence_has_a_deadline() {
     let (bench, supervisor) = Bench::new(margin(10), &[8]);
     let ticket = bench.ticket(5, 0);

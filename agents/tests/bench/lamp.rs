@@ -18,6 +18,8 @@ pub(crate) struct Truth {
     pub(crate) deaf_to_safing: AtomicUsize,
     pub(crate) faults_in_safing: AtomicBool,
     pub(crate) panics_in_safing: AtomicBool,
+    /// Safing does not come back until this is false, either.
+    pub(crate) hangs_in_safing: AtomicBool,
     /// The next command does not come back until this is false.
     pub(crate) hold: AtomicBool,
     /// A command is being held.
@@ -111,6 +113,9 @@ impl Device for Lamp {
         }
         if self.truth.faults_in_safing.load(SeqCst) {
             return Err("no contact");
+        }
+        if self.truth.hangs_in_safing.load(SeqCst) {
+            self.wait_while_held();
         }
         let deaf = &self.truth.deaf_to_safing;
         if deaf.load(SeqCst) > 0 {
