@@ -1,9 +1,8 @@
 //! **No Allocation**: once gates and broker are built, nothing allocates.
 
 mod bench;
-
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
+#[path = "no_allocation/sys.rs"]
+mod sys;
 
 use bench::{Caught, Hands, Lamp, Switch, TICK, Truth, drawing, leak, margin};
 use faregate_agents::{Broker, Handle};
@@ -16,31 +15,7 @@ use faregate_tickets::notify::NoNotify;
 use faregate_tickets::recorder::NoLane;
 use faregate_tickets::validity::{Function, Validity};
 use faregate_tickets::{Gate, Platform};
-
-thread_local! {
-    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
-}
-
-struct Counting;
-
-#[expect(unsafe_code, reason = "an allocator is unsafe; this one only counts")]
-mod sys {
-    use super::{ALLOCATIONS, Counting, GlobalAlloc, Layout, System};
-
-    // SAFETY: everything is passed on to the system's allocator as it comes.
-    unsafe impl GlobalAlloc for Counting {
-        unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-            ALLOCATIONS.set(ALLOCATIONS.get() + 1);
-            // SAFETY: the caller's promise, passed on.
-            unsafe { System.alloc(layout) }
-        }
-
-        unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-            // SAFETY: the caller's promise, passed on.
-            unsafe { System.dealloc(pointer, layout) }
-        }
-    }
-}
+use sys::{ALLOCATIONS, Counting};
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
