@@ -19,7 +19,7 @@ use faregate_tickets::id::{GateId, TicketId};
 use faregate_tickets::lock::{Exclusion, Strategy};
 use faregate_tickets::notify::Notify;
 use faregate_tickets::platform::Platform;
-use faregate_tickets::recorder::{Lane, Record, RecordedEvent};
+use faregate_tickets::recorder::{Lane, Record, RecordedEvent, Unrecorded};
 use faregate_tickets::scope::Scope;
 use faregate_tickets::standing::Standing;
 use faregate_tickets::ticket::{Holder, Issuer, Seat};
@@ -313,7 +313,7 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
 impl<P: Platform, N: Notify, const G: usize, const T: usize, const S: usize> Issuer
     for Broker<'_, P, N, G, T, S>
 {
-    fn relinquish(&self, seat: &Seat<'_>, refused: u32, holder: Holder) {
+    fn relinquish(&self, seat: &Seat<'_>, counted: Unrecorded, holder: Holder) {
         // Only tickets made here point to this scope.
         if !core::ptr::eq(seat.broker, &self.scope) {
             return;
@@ -321,12 +321,8 @@ impl<P: Platform, N: Notify, const G: usize, const T: usize, const S: usize> Iss
         let (ticket, gate) = (seat.id, seat.gate);
         self.enter(|ledger| {
             let now = ledger.clock.now();
-            if refused > 0 {
-                ledger.lane.record(Record::of(
-                    now,
-                    ticket,
-                    RecordedEvent::Refused { count: refused },
-                ));
+            for event in counted.events() {
+                ledger.lane.record(Record::of(now, ticket, event));
             }
             ledger.lane.record(Record::of(now, ticket, RecordedEvent::Relinquished));
             let actions = ledger.books.relinquished(ticket, gate, holder);

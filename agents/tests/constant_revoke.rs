@@ -13,6 +13,7 @@ use faregate_tickets::id::Priority;
 use faregate_tickets::lock::{Exclusion, Locked, Owner, Shut, Strategy};
 use faregate_tickets::notify::NoNotify;
 use faregate_tickets::recorder::NoLane;
+use faregate_tickets::ticket::Seat;
 use faregate_tickets::{Gate, Platform};
 
 type Inner = Locked<parking_lot::RawMutex, parking_lot::RawThreadId>;
@@ -30,6 +31,15 @@ impl Strategy for Counted {
 }
 
 impl<T: Send> Exclusion<T> for CountedLock<T> {
+    type Way<'l>
+        = &'l Self
+    where
+        Self: 'l;
+
+    fn way<'l>(&'l self, _: &Seat<'l>, _: Duration) -> &'l Self {
+        self
+    }
+
     fn new(value: T) -> Self {
         Self(Exclusion::new(value))
     }

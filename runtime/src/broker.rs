@@ -18,12 +18,13 @@ use faregate_tickets::clock::{Clock, Duration};
 use faregate_tickets::device::Device;
 use faregate_tickets::id::{GateId, Priority};
 use faregate_tickets::interlock::Member;
+use faregate_tickets::lock::Strategy;
 use faregate_tickets::refusal::Refusal;
 use faregate_tickets::standing::Why;
 use faregate_tickets::telemetry::Telemetry;
 
 use crate::clock::MonotonicClock;
-use crate::host::Host;
+use crate::host::{Host, HostStrategy, Supported};
 use crate::lanes::{Draining, Recorder};
 use crate::waiters::Waiters;
 
@@ -42,11 +43,11 @@ const LANE: usize = 4096;
 /// The agents' broker, on a host.
 pub type Agents = faregate_agents::Broker<'static, Host, &'static Waiters, GATES, TICKETS, SETS>;
 
-/// A ticket for a device of type `D`.
-pub type Ticket<D> = faregate_tickets::Ticket<'static, D, Host, Agents>;
+/// A ticket for a device of type `D`, whose gate is entered by `S`.
+pub type Ticket<D, S = HostStrategy> = faregate_tickets::Ticket<'static, D, Host<S>, Agents>;
 
-/// Names a gate with a device of type `D` in requests.
-pub type Handle<D> = faregate_agents::Handle<'static, D, Host>;
+/// Names a gate with a device of type `D` in requests; it is entered by `S`.
+pub type Handle<D, S = HostStrategy> = faregate_agents::Handle<'static, D, Host<S>>;
 
 /// Puts a [`Broker`] together.
 pub struct Builder {
@@ -128,8 +129,36 @@ impl Builder {
         driver: D,
         options: GateOptions,
     ) -> Result<Handle<D>, RegisterError> {
+        self.place(agent, name, driver, options)
+    }
+
+    /// Like [`Builder::gate_with`], for a gate that is entered by another
+    /// strategy than the host's own: [`HostFenced`](crate::host::HostFenced) or
+    /// [`HostRestartable`](crate::host::HostRestartable).
+    ///
+    /// # Errors
+    /// [`GateBehindError`]: what the host lacks for the strategy, or
+    /// [`RegisterError`].
+    pub fn gate_behind<S: Supported, D: Device + 'static>(
+        &mut self,
+        agent: AgentId,
+        name: &str,
+        driver: D,
+        options: GateOptions,
+    ) -> Result<Handle<D, S>, GateBehindError> {
+        S::check().map_err(GateBehindError::Unsupported)?;
+        self.place(agent, name, driver, options).map_err(GateBehindError::Register)
+    }
+
+    fn place<S: Strategy, D: Device + 'static>(
+        &mut self,
+        agent: AgentId,
+        name: &str,
+        driver: D,
+        options: GateOptions,
+    ) -> Result<Handle<D, S>, RegisterError> {
         let lane = self.recorder.lane(name, LANE);
-        let mut gate = Gate::<D, Host>::new(driver, MonotonicClock::new(), lane);
+        let mut gate = Gate::<D, Host<S>>::new(driver, MonotonicClock::new(), lane);
         if let Some(telemetry) = options.telemetry {
             gate = gate.watching(telemetry);
         }
@@ -189,6 +218,26 @@ impl fmt::Debug for Builder {
         f.debug_struct("Builder").field("agents", &self.agents).finish_non_exhaustive()
     }
 }
+
+/// Why there is no gate behind this strategy.
+#[derive(Debug)]
+pub enum GateBehindError {
+    /// The host lacks what the strategy needs.
+    Unsupported(io::Error),
+    /// The broker has no place for the gate.
+    Register(RegisterError),
+}
+
+impl fmt::Display for GateBehindError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unsupported(missing) => missing.fmt(f),
+            Self::Register(full) => full.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for GateBehindError {}
 
 /// What the host permitted of the real-time set-up, in words.
 pub type RealTimeReport = Option<String>;
@@ -313,11 +362,11 @@ impl Broker {
     ///
     /// # Timing
     /// As [`Broker::request`].
-    pub fn extend<D: Device, E: Device>(
+    pub fn extend<D: Device, S: Strategy, E: Device, R: Strategy>(
         &self,
-        ticket: &Ticket<D>,
-        want: &Want<'static, E, Host>,
-    ) -> Result<Ticket<E>, RequestRefused> {
+        ticket: &Ticket<D, S>,
+        want: &Want<'static, E, Host<R>>,
+    ) -> Result<Ticket<E, R>, RequestRefused> {
         self.agents.extend(ticket, want)
     }
 
@@ -332,7 +381,11 @@ impl Broker {
     ///
     /// # After revocation
     /// Waits until the ticket is restored.
-    pub fn wait<D: Device>(&self, ticket: &Ticket<D>, timeout: Duration) -> Result<(), NotValid> {
+    pub fn wait<D: Device, S: Strategy>(
+        &self,
+        ticket: &Ticket<D, S>,
+        timeout: Duration,
+    ) -> Result<(), NotValid> {
         if !ticket.is_of(self.agents) {
             return Err(NotValid::OtherBroker);
         }

@@ -5,9 +5,12 @@
 use core::cell::Cell;
 use core::mem::MaybeUninit;
 use core::ops::Range;
+use core::sync::atomic::{AtomicIsize, Ordering};
 use std::sync::OnceLock;
 
 use faregate_tickets::lock::CurrentThread;
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+use faregate_tickets::lock::Registered;
 
 thread_local! {
     /// The id of this thread, or 0 while it is not known. `const`, and without
@@ -59,6 +62,45 @@ fn forgets_at_fork() -> bool {
 
 unsafe extern "C" fn forget() {
     TID.set(0);
+}
+
+/// The `rseq` area that the C library (glibc 2.35 or later) registers for each
+/// of its threads.
+#[derive(Clone, Copy, Debug)]
+pub enum RseqArea {}
+
+/// The distance of the areas from the threads' thread pointers; 0: not known.
+static RSEQ_OFFSET: AtomicIsize = AtomicIsize::new(0);
+
+// SAFETY: glibc registers the area of a thread, with the signature that
+// `Registered` names, before the thread runs anything else, at the distance
+// that it publishes; `threads_are_registered` has seen that it does. (Who makes
+// a thread past the C library answers for it.)
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+unsafe impl Registered for RseqArea {
+    fn offset() -> isize {
+        // Relaxed: written before the first gate that asks was made.
+        RSEQ_OFFSET.load(Ordering::Relaxed)
+    }
+}
+
+/// Whether each thread of this process has its area, and the kernel knows it.
+pub(crate) fn threads_are_registered() -> bool {
+    let (Some(offset), Some(size)) = (find(c"__rseq_offset"), find(c"__rseq_size")) else {
+        return false;
+    };
+    // SAFETY: glibc's `__rseq_size` is an `unsigned int` that stays as it is.
+    let size = unsafe { size.cast::<core::ffi::c_uint>().read() };
+    // SAFETY: glibc's `__rseq_offset` is a `ptrdiff_t` that stays as it is.
+    let offset = unsafe { offset.cast::<isize>().read() };
+    RSEQ_OFFSET.store(offset, Ordering::Relaxed);
+    size > 0 && offset != 0
+}
+
+/// Where the C library has this variable, if it has it.
+fn find(name: &core::ffi::CStr) -> Option<core::ptr::NonNull<core::ffi::c_void>> {
+    // SAFETY: `name` ends with a zero; the default handle names all libraries.
+    core::ptr::NonNull::new(unsafe { libc::dlsym(libc::RTLD_DEFAULT, name.as_ptr()) })
 }
 
 /// Gives the calling thread `SCHED_FIFO` with this priority. Threads that it

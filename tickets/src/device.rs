@@ -1,5 +1,7 @@
 //! The device port: commands as typed values, and what is declared of them.
 
+use core::sync::atomic::AtomicU32;
+
 use crate::amount::{MilligramsPerSecond, Milliwatts};
 use crate::clock::{Duration, Instant};
 
@@ -49,6 +51,26 @@ pub trait Device: Send {
     /// # Errors
     /// The driver's own fault, when the hardware did not take the command.
     fn safe(&mut self) -> Result<(), Self::Fault>;
+
+    /// The register to which some commands are one store, where the device has
+    /// one. Asked for once, when its gate is made. A gate of
+    /// [`Restartable`](crate::lock::Restartable) then does these stores itself.
+    ///
+    /// Like the driver, it must be the only way to its hardware.
+    fn register(&self) -> Option<&'static AtomicU32> {
+        None
+    }
+
+    /// What the command stores in the [`register`](Device::register) and what
+    /// it answers, if that is all it does. Only a command whose effect is
+    /// [`Effect::Unchanged`] can be no more than its store.
+    ///
+    /// # Timing
+    /// A `match` over constants; [`issue`](Device::issue) does the same store.
+    fn word(command: &Self::Command) -> Option<(u32, Self::Response)> {
+        let _ = command;
+        None
+    }
 
     /// Waits until every command given so far has reached the device. Safing
     /// does this first. Devices without a queue leave it as it is.

@@ -5,16 +5,19 @@ mod inside;
 mod key;
 
 use core::fmt;
+use core::sync::atomic::AtomicU32;
 
 use crate::clock::Instant;
 use crate::device::{Declaration, Device, Effect, Profile};
 use crate::fault::GateFault;
 use crate::interlock::Member;
-use crate::lock::{Exclusion, Shut, Strategy};
+use crate::lock::{Exclusion, Next, Shut, Strategy, Way};
 use crate::platform::Platform;
+use crate::recorder::Unrecorded;
 use crate::refusal::{InvokeError, Refusal};
 use crate::sync::{AtomicUsize, Ordering};
 use crate::telemetry::Telemetry;
+use crate::ticket::Seat;
 
 pub use control::{Admission, Blocked, Safed, Vacated};
 use inside::Inside;
@@ -33,8 +36,14 @@ pub struct Gate<'t, D: Device, P: Platform> {
     published: Published,
     telemetry: Option<&'t Telemetry>,
     interlock: Option<Member<'t>>,
-    inside: <P::Strategy as Strategy>::Lock<Inside<D, P>>,
+    register: Option<&'static AtomicU32>,
+    inside: LockOf<D, P>,
 }
+
+type LockOf<D, P> = <<P as Platform>::Strategy as Strategy>::Lock<Inside<D, P>>;
+
+/// A ticket's way into its gate.
+pub(crate) type WayOf<'g, D, P> = <LockOf<D, P> as Exclusion<Inside<D, P>>>::Way<'g>;
 
 /// What can be looked at without the gate's lock.
 #[derive(Debug)]
@@ -122,6 +131,7 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
             published: Published::new(),
             telemetry: None,
             interlock: None,
+            register: driver.register(),
             inside: Exclusion::new(Inside::new(driver, clock, lane)),
         }
     }
@@ -157,49 +167,79 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
         KeyOf::new(self)
     }
 
+    /// A way in for the ticket with this seat.
+    pub(crate) fn way<'g>(&'g self, seat: &Seat<'g>) -> WayOf<'g, D, P> {
+        self.inside.way(seat, self.profile.patience())
+    }
+
+    /// Does a command that is no more than its store, if that is in order on
+    /// this way.
+    pub(crate) fn store(&self, way: &WayOf<'_, D, P>, command: &D::Command) -> Option<D::Response> {
+        let register = self.register?;
+        let (word, response) = D::word(command)?;
+        let declared = D::declare(command);
+        let is_no_more = declared.effect == Effect::Unchanged && !self.exceeds_profile(&declared);
+        (is_no_more && way.store(register, word)).then_some(response)
+    }
+
     /// Issues a command if `look` agrees, twice, and the validity function.
     pub(crate) fn invoke(
         &self,
+        way: &WayOf<'_, D, P>,
         command: D::Command,
-        refused: u32,
+        counted: Unrecorded,
         look: impl Fn() -> Result<usize, Refusal>,
     ) -> Result<D::Response, InvokeError<D::Fault>> {
-        #[cfg(feature = "mutant-try-lock")]
-        return self.try_invoke(command, refused, look);
-        #[cfg(not(feature = "mutant-try-lock"))]
-        look()?;
-        #[cfg(not(feature = "mutant-try-lock"))]
-        self.inside
-            .with(|inside| self.issue(inside, command, refused, look))
-            .unwrap_or_else(|shut| Err(self.shut(shut).into()))
+        if cfg!(feature = "mutant-try-lock") {
+            return self.try_invoke(way, command, counted, look);
+        }
+        look().inspect_err(|_| way.step_back())?;
+        let look = self.looking_inside(look);
+        way.with(look, |inside, serial| self.issue(inside, serial, command, counted))
+            .unwrap_or_else(|shut| Err(self.shut(shut)))?
     }
 
     /// Like [`Gate::invoke`], without waiting for anybody.
     pub(crate) fn try_invoke(
         &self,
+        way: &WayOf<'_, D, P>,
         command: D::Command,
-        refused: u32,
+        counted: Unrecorded,
         look: impl Fn() -> Result<usize, Refusal>,
     ) -> Result<D::Response, InvokeError<D::Fault>> {
-        look()?;
-        self.inside
-            .try_with(|inside| self.issue(inside, command, refused, look))
-            .unwrap_or_else(|shut| Err(self.shut(shut).into()))
+        look().inspect_err(|_| way.step_back())?;
+        let look = self.looking_inside(look);
+        way.try_with(look, |inside, serial| self.issue(inside, serial, command, counted))
+            .unwrap_or_else(|shut| Err(self.shut(shut)))?
+    }
+
+    /// The look that counts. The mutant trusts the one before the lock.
+    fn looking_inside(
+        &self,
+        look: impl Fn() -> Result<usize, Refusal>,
+    ) -> impl Fn() -> Result<usize, Refusal> {
+        move || {
+            if cfg!(feature = "mutant-check-then-act") { Ok(self.tenant().0) } else { look() }
+        }
     }
 
     /// Renews the tenant's lease if `look` agrees.
-    pub(crate) fn renew(&self, look: impl Fn() -> Result<usize, Refusal>) -> Result<(), Refusal> {
-        look()?;
-        self.inside
-            .with(|inside| {
-                look()?;
-                let now = inside.now();
-                self.still_has_authority(inside, now)?;
+    pub(crate) fn renew(
+        &self,
+        way: &WayOf<'_, D, P>,
+        look: impl Fn() -> Result<usize, Refusal>,
+    ) -> Result<(), Refusal> {
+        look().inspect_err(|_| way.step_back())?;
+        let renewed = |inside: &mut Inside<D, P>, _| {
+            let now = inside.now();
+            let renewed = self.still_has_authority(inside, now);
+            if renewed.is_ok() {
                 inside.validity.renew(now);
                 self.published.set_look_again(now, inside.validity.look_again_at(now));
-                Ok(())
-            })
-            .unwrap_or_else(|shut| Err(self.shut(shut)))
+            }
+            (renewed, self.next(inside))
+        };
+        way.with(look, renewed).unwrap_or_else(|shut| Err(self.shut(shut)))?
     }
 
     /// Whether no limit has run out that service has yet to notice.
@@ -213,26 +253,20 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
     }
 
     /// Closed Door, Open Door and Empty Room meet here: look, check, issue and
-    /// commit are one critical section.
+    /// commit are one critical section. The look was made in it just before.
     fn issue(
         &self,
         inside: &mut Inside<D, P>,
+        serial: usize,
         command: D::Command,
-        refused: u32,
-        look: impl Fn() -> Result<usize, Refusal>,
-    ) -> Result<D::Response, InvokeError<D::Fault>> {
-        #[cfg(not(feature = "mutant-check-then-act"))]
-        let serial = look()?;
-        #[cfg(feature = "mutant-check-then-act")]
-        let serial = {
-            let _ = look;
-            // Relaxed: the mutant trusts the look before the lock.
-            self.published.tenant.load(Ordering::Relaxed)
-        };
+        counted: Unrecorded,
+    ) -> (Result<D::Response, InvokeError<D::Fault>>, Next) {
         let declared = D::declare(&command);
-        self.agree(inside, &declared)?;
+        if let Err(refusal) = self.agree(inside, &declared) {
+            return (Err(refusal.into()), Next::Enter);
+        }
         let started = inside.now();
-        inside.record_refused(started, serial, refused);
+        inside.record_counted(started, serial, counted);
         // Before the driver runs: one that unwinds was given it all the same.
         inside.record_issued(started, serial, declared.code);
         let result = inside.issue(&self.published, command);
@@ -245,7 +279,13 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
         }
         self.published.set_look_again(started, inside.validity.look_again_at(started));
         self.check_duration(inside, ended.since(started), declared.wcet);
-        result
+        (result, self.next(inside))
+    }
+
+    /// Stores may follow where nothing but the epochs can end the tenancy.
+    fn next(&self, inside: &Inside<D, P>) -> Next {
+        let in_order = self.register.is_some() && inside.validity.is_unlimited();
+        if in_order && self.fault().is_none() { Next::Store } else { Next::Enter }
     }
 
     /// Checks every validity function, then commits every one. Counted before

@@ -29,7 +29,7 @@
 //! use faregate_tickets::gate::Admission;
 //! use faregate_tickets::id::{GateId, TicketId};
 //! use faregate_tickets::lock::Locked;
-//! use faregate_tickets::recorder::NoLane;
+//! use faregate_tickets::recorder::{NoLane, Unrecorded};
 //! use faregate_tickets::scope::Scope;
 //! use faregate_tickets::standing::{Stamp, Standing, Why};
 //! use faregate_tickets::ticket::{Holder, Issuer, Seat};
@@ -75,7 +75,7 @@
 //! struct Nobody;
 //!
 //! impl Issuer for Nobody {
-//!     fn relinquish(&self, _: &Seat<'_>, _: u32, _: Holder) {}
+//!     fn relinquish(&self, _: &Seat<'_>, _: Unrecorded, _: Holder) {}
 //! }
 //!
 //! type Ports = (Locked<parking_lot::RawMutex, parking_lot::RawThreadId>, Stopped, NoLane);

@@ -45,6 +45,11 @@ pub enum RecordedEvent {
         /// The command's number.
         code: u16,
     },
+    /// Commands that are one store were issued since the ticket's last record.
+    Stored {
+        /// How many.
+        count: u32,
+    },
     /// Commands were refused since the ticket's last record.
     Refused {
         /// How many.
@@ -117,6 +122,36 @@ pub enum RecordedEvent {
     },
     /// Safe mode was left.
     SafeModeLeft,
+}
+
+/// What a ticket has counted since its last record.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct Unrecorded {
+    /// Commands that were refused.
+    pub refused: u32,
+    /// Commands that were one store, and issued.
+    pub stored: u32,
+}
+
+impl Unrecorded {
+    /// One more command was refused.
+    #[must_use]
+    pub const fn and_refused(self) -> Self {
+        Self { refused: self.refused.saturating_add(1), ..self }
+    }
+
+    /// One more command was one store, and issued.
+    #[must_use]
+    pub const fn and_stored(self) -> Self {
+        Self { stored: self.stored.saturating_add(1), ..self }
+    }
+
+    /// The records of it that there are.
+    pub fn events(self) -> impl Iterator<Item = RecordedEvent> {
+        let stored = (self.stored > 0).then_some(RecordedEvent::Stored { count: self.stored });
+        let refused = (self.refused > 0).then_some(RecordedEvent::Refused { count: self.refused });
+        stored.into_iter().chain(refused)
+    }
 }
 
 impl Record {

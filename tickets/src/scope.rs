@@ -131,6 +131,11 @@ impl Scope {
         u8::try_from(level).ok().filter(|level| *level > 0).map(Priority::new)
     }
 
+    /// The word that a revocation changes.
+    pub(crate) fn word(&self) -> &AtomicUsize {
+        &self.epoch
+    }
+
     pub(crate) fn epoch(&self) -> usize {
         // Relaxed: Closed Door asks that an invocation that happens after a
         // revocation sees it, which coherence alone gives; one that does not

@@ -268,6 +268,11 @@ impl Standing {
         self.stamp.store(stamp.own, Ordering::Relaxed);
     }
 
+    /// The word that a revocation changes.
+    pub(crate) fn word(&self) -> &AtomicUsize {
+        &self.epoch
+    }
+
     pub(crate) fn own_is_current(&self) -> bool {
         // Relaxed: the argument of `Scope::epoch`.
         self.stamp.load(Ordering::Relaxed) == self.epoch.load(Ordering::Relaxed)

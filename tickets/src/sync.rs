@@ -2,10 +2,33 @@
 //! crate says `cfg(loom)`, but the locks and the tests.
 
 #[cfg(loom)]
+pub(crate) use loom::cell::UnsafeCell;
+#[cfg(loom)]
 pub(crate) use loom::sync::atomic::{AtomicUsize, Ordering, fence};
 
 #[cfg(not(loom))]
 pub(crate) use portable_atomic::{AtomicUsize, Ordering, fence};
+
+/// A cell that is shared by a protocol; loom's finds out who breaks it.
+#[cfg(not(loom))]
+#[derive(Debug)]
+pub(crate) struct UnsafeCell<T>(core::cell::UnsafeCell<T>);
+
+#[cfg(not(loom))]
+impl<T> UnsafeCell<T> {
+    pub(crate) const fn new(value: T) -> Self {
+        Self(core::cell::UnsafeCell::new(value))
+    }
+
+    #[inline(always)]
+    pub(crate) fn with_mut<R>(&self, f: impl FnOnce(*mut T) -> R) -> R {
+        f(self.0.get())
+    }
+}
+
+/// How many tickets of one gate can have a short way of `lock::Fenced`. A model
+/// of more than two would only take longer.
+pub(crate) const SHORT_WAYS: usize = if cfg!(loom) { 2 } else { 8 };
 
 /// Makes a constructor `const`, which with loom's atomics none can be.
 #[cfg(not(loom))]

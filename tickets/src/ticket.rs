@@ -4,16 +4,17 @@ use core::cell::Cell;
 use core::fmt;
 
 use crate::device::Device;
-use crate::gate::Gate;
+use crate::gate::{Gate, WayOf};
 use crate::id::{GateId, Priority, TicketId};
 use crate::platform::{Containment, Platform};
+use crate::recorder::Unrecorded;
 use crate::refusal::{InvokeError, Refusal};
 use crate::scope::Scope;
 use crate::standing::Standing;
 
 /// To whom a ticket goes back.
 pub trait Issuer: Sync {
-    /// The ticket with this seat is given back. `refused` commands of it are
+    /// The ticket with this seat is given back, with what it has counted and
     /// not recorded yet.
     ///
     /// Anybody can call this, with a seat of their own making. What nobody else
@@ -22,7 +23,7 @@ pub trait Issuer: Sync {
     /// # Timing
     /// Called from `Drop`: it unlinks and marks, waits at most for one step of
     /// the books, and leaves the device to the next service.
-    fn relinquish(&self, seat: &Seat<'_>, refused: u32, holder: Holder);
+    fn relinquish(&self, seat: &Seat<'_>, counted: Unrecorded, holder: Holder);
 }
 
 /// What became of the holder of a ticket that is given back.
@@ -60,16 +61,17 @@ pub struct Seat<'a> {
 /// not valid, and may become valid again without being asked for.
 pub struct Ticket<'a, D: Device, P: Platform, A: Issuer> {
     gate: &'a Gate<'a, D, P>,
+    way: WayOf<'a, D, P>,
     seat: Seat<'a>,
     issuer: &'a A,
-    /// Commands refused since the last record. The cell also keeps the ticket
-    /// from being shared between threads.
-    refused: Cell<u32>,
+    /// The cell also keeps the ticket from being shared between threads.
+    unrecorded: Cell<Unrecorded>,
 }
 
 impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
     pub(crate) fn new(gate: &'a Gate<'a, D, P>, seat: Seat<'a>, issuer: &'a A) -> Self {
-        Self { gate, seat, issuer, refused: Cell::new(0) }
+        let way = gate.way(&seat);
+        Self { gate, way, seat, issuer, unrecorded: Cell::default() }
     }
 
     /// Issues the command, if the ticket is valid and its validity function
@@ -91,9 +93,13 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
     /// One that was admitted before it may still be in progress; who revoked
     /// waits for quiescence.
     pub fn invoke(&self, command: D::Command) -> Result<D::Response, InvokeError<D::Fault>> {
-        let refused = self.refused.take();
-        let result = self.gate.invoke(command, refused, || self.look());
-        self.count(refused, &result);
+        if let Some(response) = self.gate.store(&self.way, &command) {
+            self.unrecorded.set(self.unrecorded.get().and_stored());
+            return Ok(response);
+        }
+        let counted = self.unrecorded.take();
+        let result = self.gate.invoke(&self.way, command, counted, || self.look());
+        self.count_refused(counted, &result);
         result
     }
 
@@ -109,9 +115,13 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
     /// # After revocation
     /// As [`invoke`](Ticket::invoke).
     pub fn try_invoke(&self, command: D::Command) -> Result<D::Response, InvokeError<D::Fault>> {
-        let refused = self.refused.take();
-        let result = self.gate.try_invoke(command, refused, || self.look());
-        self.count(refused, &result);
+        if let Some(response) = self.gate.store(&self.way, &command) {
+            self.unrecorded.set(self.unrecorded.get().and_stored());
+            return Ok(response);
+        }
+        let counted = self.unrecorded.take();
+        let result = self.gate.try_invoke(&self.way, command, counted, || self.look());
+        self.count_refused(counted, &result);
         result
     }
 
@@ -126,7 +136,7 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
     /// # After revocation
     /// Refused: what is not valid has no lease that runs.
     pub fn renew(&self) -> Result<(), Refusal> {
-        self.gate.renew(|| self.look())
+        self.gate.renew(&self.way, || self.look())
     }
 
     /// Whether the ticket is valid at this instant, and if not, why.
@@ -230,9 +240,13 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
     }
 
     /// Counts on from `before`, which was taken out and not recorded.
-    fn count(&self, before: u32, result: &Result<D::Response, InvokeError<D::Fault>>) {
+    fn count_refused(
+        &self,
+        before: Unrecorded,
+        result: &Result<D::Response, InvokeError<D::Fault>>,
+    ) {
         if let Err(InvokeError::Refused(_)) = result {
-            self.refused.set(before.saturating_add(1));
+            self.unrecorded.set(before.and_refused());
         }
     }
 }
@@ -241,7 +255,7 @@ impl<D: Device, P: Platform, A: Issuer> Drop for Ticket<'_, D, P, A> {
     fn drop(&mut self) {
         let died = P::Containment::is_unwinding();
         let holder = if died { Holder::Died } else { Holder::Lives };
-        self.issuer.relinquish(&self.seat, self.refused.get(), holder);
+        self.issuer.relinquish(&self.seat, self.unrecorded.get(), holder);
     }
 }
 

@@ -159,6 +159,12 @@ impl Validity {
         self.functions.contains(&Function::interlock())
     }
 
+    /// Whether it limits nothing.
+    #[must_use]
+    pub fn is_unlimited(&self) -> bool {
+        *self == Self::always()
+    }
+
     /// When a device that ran out of its duty cycle, and was seen off, has
     /// rested enough.
     #[must_use]

@@ -7,6 +7,7 @@ use faregate_tickets::clock::{Clock, Duration, Instant};
 use faregate_tickets::device::{Declaration, Device, Effect, Power, Profile};
 use faregate_tickets::lock::{Exclusion, Owner, Shut, Strategy};
 use faregate_tickets::recorder::NoLane;
+use faregate_tickets::ticket::Seat;
 
 pub(crate) type Platform<'w> = (Alone, &'w Hands, NoLane);
 
@@ -155,7 +156,16 @@ impl Strategy for Alone {
 #[derive(Debug)]
 pub(crate) struct AloneLock<T>(parking_lot::Mutex<T>);
 
-impl<T> Exclusion<T> for AloneLock<T> {
+impl<T: Send> Exclusion<T> for AloneLock<T> {
+    type Way<'l>
+        = &'l Self
+    where
+        Self: 'l;
+
+    fn way<'l>(&'l self, _: &Seat<'l>, _: Duration) -> &'l Self {
+        self
+    }
+
     fn new(value: T) -> Self {
         Self(parking_lot::Mutex::new(value))
     }

@@ -28,7 +28,13 @@ pub(crate) type Ticket<'w> = faregate_tickets::Ticket<'w, Lamp<'w>, Platform<'w>
 pub(crate) struct Nobody;
 
 impl Issuer for Nobody {
-    fn relinquish(&self, _: &Seat<'_>, _: u32, _: faregate_tickets::ticket::Holder) {}
+    fn relinquish(
+        &self,
+        _: &Seat<'_>,
+        _: faregate_tickets::recorder::Unrecorded,
+        _: faregate_tickets::ticket::Holder,
+    ) {
+    }
 }
 
 /// What a world is made of, printed with one part on a line.

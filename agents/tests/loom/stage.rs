@@ -21,7 +21,13 @@ pub(crate) type Ticket = faregate_tickets::Ticket<'static, Lamp, Loomed, Nobody>
 pub(crate) struct Nobody;
 
 impl Issuer for Nobody {
-    fn relinquish(&self, _: &Seat<'_>, _: u32, _: faregate_tickets::ticket::Holder) {}
+    fn relinquish(
+        &self,
+        _: &Seat<'_>,
+        _: faregate_tickets::recorder::Unrecorded,
+        _: faregate_tickets::ticket::Holder,
+    ) {
+    }
 }
 
 /// A gate with two holders, 0 and 1. Their serials are 1 and 2.

@@ -10,6 +10,7 @@ use faregate_tickets::device::Profile;
 use faregate_tickets::lock::{Exclusion, Locked, Owner, Shut, Strategy};
 use faregate_tickets::notify::NoNotify;
 use faregate_tickets::recorder::NoLane;
+use faregate_tickets::ticket::Seat;
 use faregate_tickets::{Gate, Platform};
 
 use super::bench::{Caught, Hands, Lamp, Truth, drawing, leak};
@@ -38,6 +39,15 @@ impl Strategy for Slow {
 }
 
 impl<T: Send> Exclusion<T> for SlowLock<T> {
+    type Way<'l>
+        = &'l Self
+    where
+        Self: 'l;
+
+    fn way<'l>(&'l self, _: &Seat<'l>, _: Duration) -> &'l Self {
+        self
+    }
+
     fn new(value: T) -> Self {
         Self(Exclusion::new(value))
     }

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use faregate_tickets::clock::Duration;
 use faregate_tickets::lock::{Exclusion, Owner, Shut, Strategy};
+use faregate_tickets::ticket::Seat;
 use parking_lot::{Mutex, MutexGuard};
 
 use super::body::{self, block};
@@ -93,6 +94,15 @@ impl<T> SimLock<T> {
 }
 
 impl<T: Send> Exclusion<T> for SimLock<T> {
+    type Way<'l>
+        = &'l Self
+    where
+        Self: 'l;
+
+    fn way<'l>(&'l self, _: &Seat<'l>, _: Duration) -> &'l Self {
+        self
+    }
+
     fn new(value: T) -> Self {
         Self { value: Mutex::new(value), holder: AtomicUsize::new(0) }
     }

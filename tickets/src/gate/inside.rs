@@ -4,13 +4,13 @@ use crate::clock::{Clock, Instant};
 use crate::device::Device;
 use crate::fault::GateFault;
 use crate::platform::{Containment, Platform};
-use crate::recorder::{Lane, Record, RecordedEvent};
+use crate::recorder::{Lane, Record, RecordedEvent, Unrecorded};
 use crate::refusal::InvokeError;
 use crate::validity::Validity;
 
 use super::Published;
 
-pub(super) struct Inside<D, P: Platform> {
+pub(crate) struct Inside<D, P: Platform> {
     driver: D,
     clock: P::Clock,
     lane: P::Lane,
@@ -75,9 +75,9 @@ impl<D: Device, P: Platform> Inside<D, P> {
         self.lane.record(Record { at, ticket, event });
     }
 
-    pub(super) fn record_refused(&mut self, at: Instant, ticket: usize, count: u32) {
-        if count > 0 {
-            self.record(at, ticket, RecordedEvent::Refused { count });
+    pub(super) fn record_counted(&mut self, at: Instant, ticket: usize, counted: Unrecorded) {
+        for event in counted.events() {
+            self.record(at, ticket, event);
         }
     }
 

@@ -9,6 +9,7 @@ use lock_api::{GetThreadId, Mutex, RawMutexTimed};
 use super::{Exclusion, Owner, Shut, Strategy};
 use crate::clock::Duration;
 use crate::sync::{AtomicUsize, Ordering};
+use crate::ticket::Seat;
 
 /// The mutex `R`, for threads that `I` tells apart.
 ///
@@ -90,11 +91,20 @@ impl Drop for Noted<'_> {
     }
 }
 
-impl<R, I, T> Exclusion<T> for OwnedMutex<R, I, T>
+impl<R, I, T: Send> Exclusion<T> for OwnedMutex<R, I, T>
 where
-    R: RawMutexTimed<Duration = core::time::Duration>,
-    I: GetThreadId,
+    R: RawMutexTimed<Duration = core::time::Duration> + Sync,
+    I: GetThreadId + Sync,
 {
+    type Way<'l>
+        = &'l Self
+    where
+        Self: 'l;
+
+    fn way<'l>(&'l self, _: &Seat<'l>, _: Duration) -> &'l Self {
+        self
+    }
+
     fn new(value: T) -> Self {
         Self { mutex: Mutex::new(value), owner: AtomicUsize::new(NOBODY), threads: I::INIT }
     }

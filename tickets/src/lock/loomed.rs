@@ -3,14 +3,16 @@
 
 extern crate std;
 
+use core::sync::atomic::AtomicU32;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 
 use loom::sync::atomic::{AtomicUsize, Ordering};
 use loom::sync::{Mutex, MutexGuard};
 use loom::thread::{self, ThreadId};
 
-use super::{Exclusion, Owner, Shut, Strategy};
+use super::{Exclusion, Outcome, Owner, Sections, Shut, Strategy, Wait, Watch};
 use crate::clock::Duration;
+use crate::ticket::Seat;
 
 /// Loom's mutex, for models. Time does not pass in a model:
 /// [`with_until`](Exclusion::with_until) waits as long as it takes.
@@ -66,7 +68,16 @@ impl<T> LoomMutex<T> {
     }
 }
 
-impl<T> Exclusion<T> for LoomMutex<T> {
+impl<T: Send> Exclusion<T> for LoomMutex<T> {
+    type Way<'l>
+        = &'l Self
+    where
+        Self: 'l;
+
+    fn way<'l>(&'l self, _: &Seat<'l>, _: Duration) -> &'l Self {
+        self
+    }
+
     fn new(value: T) -> Self {
         Self {
             value: Mutex::new(value),
@@ -90,6 +101,54 @@ impl<T> Exclusion<T> for LoomMutex<T> {
 
     fn with_until<R>(&self, _: Duration, f: impl FnOnce(&mut T, Owner) -> R) -> Result<R, Shut> {
         self.with(|value| f(value, Owner::Sound))
+    }
+}
+
+/// Waits as a model does: by letting the others go on.
+#[derive(Debug)]
+pub enum LoomWait {}
+
+impl Wait for LoomWait {
+    fn until(timeout: Duration, mut over: impl FnMut() -> bool) -> bool {
+        while !over() {
+            if timeout.is_zero() {
+                return false;
+            }
+            thread::yield_now();
+        }
+        true
+    }
+}
+
+loom::lazy_static! {
+    static ref SECTION: Mutex<()> = Mutex::new(());
+}
+
+/// What the kernel promises of sections, as a model: each is done at once, and
+/// [`end_all`](Sections::end_all) is a fence on both sides, of its caller and of
+/// every section before and after it. What loom cannot see is the kernel's part: that
+/// a section which is disturbed starts again. The soak is there for that.
+#[derive(Debug)]
+pub enum LoomSections {}
+
+impl Sections for LoomSections {
+    fn store(watch: &Watch<'_>, register: &AtomicU32, word: u32) -> Outcome {
+        let _alone = SECTION.lock().expect("no guard goes down with a panic");
+        let as_expected = watch
+            .words
+            .iter()
+            .zip(watch.values)
+            .all(|(word, expected)| word.load(Ordering::Relaxed) == expected);
+        if !as_expected {
+            return Outcome::Refused;
+        }
+        register.store(word, core::sync::atomic::Ordering::Relaxed);
+        Outcome::Stored
+    }
+
+    fn end_all() -> bool {
+        drop(SECTION.lock().expect("no guard goes down with a panic"));
+        true
     }
 }
 

@@ -6,6 +6,7 @@ use critical_section::Mutex;
 
 use super::{Exclusion, Owner, Shut, Strategy};
 use crate::clock::Duration;
+use crate::ticket::Seat;
 
 /// The `critical-section` of the target: on one core without an operating
 /// system, interrupts are off while somebody is inside.
@@ -30,7 +31,16 @@ impl Strategy for Masked {
 #[derive(Debug)]
 pub struct MaskedCell<T>(Mutex<RefCell<T>>);
 
-impl<T> Exclusion<T> for MaskedCell<T> {
+impl<T: Send> Exclusion<T> for MaskedCell<T> {
+    type Way<'l>
+        = &'l Self
+    where
+        Self: 'l;
+
+    fn way<'l>(&'l self, _: &Seat<'l>, _: Duration) -> &'l Self {
+        self
+    }
+
     fn new(value: T) -> Self {
         Self(Mutex::new(RefCell::new(value)))
     }

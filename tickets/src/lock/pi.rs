@@ -2,9 +2,10 @@
 
 use core::marker::PhantomData;
 
-use super::sys::{self, CurrentThread, PiMutex};
+use super::sys::pi::{self as sys, CurrentThread, PiMutex};
 use super::{Exclusion, Owner, Shut, Strategy};
 use crate::clock::Duration;
+use crate::ticket::Seat;
 
 /// Who waits lends its priority to who is inside: the Linux futex.
 ///
@@ -39,7 +40,16 @@ impl<I: CurrentThread> Strategy for PiLocked<I> {
     type Lock<T: Send> = PiMutex<T, I>;
 }
 
-impl<T, I: CurrentThread> Exclusion<T> for PiMutex<T, I> {
+impl<T: Send, I: CurrentThread> Exclusion<T> for PiMutex<T, I> {
+    type Way<'l>
+        = &'l Self
+    where
+        Self: 'l;
+
+    fn way<'l>(&'l self, _: &Seat<'l>, _: Duration) -> &'l Self {
+        self
+    }
+
     fn new(value: T) -> Self {
         Self::new(value)
     }

@@ -12,7 +12,7 @@ use faregate_tickets::validity::Validity;
 struct Nobody;
 
 impl Issuer for Nobody {
-    fn relinquish(&self, _: &Seat<'_>, _: u32, _: faregate_tickets::ticket::Holder) {}
+    fn relinquish(&self, _: &Seat<'_>, _: faregate_tickets::recorder::Unrecorded, _: faregate_tickets::ticket::Holder) {}
 }
 
 fn main() {

@@ -15,7 +15,7 @@ fn main() {
     let (standing, scope) = (Standing::new(), Scope::new());
     let (id, gate) = (ticket.id(), lamp.gate());
     let made_up = Seat { id, gate, standing: &standing, agent: &scope, broker: &scope };
-    broker.relinquish(&ticket.seat, 0, Holder::Lives); //~ E0616: `seat`
+    broker.relinquish(&ticket.seat, faregate_tickets::recorder::Unrecorded::default(), Holder::Lives); //~ E0616: `seat`
     broker.service();
     assert_eq!(ticket.invoke(Switch::On), Ok(true));
 }

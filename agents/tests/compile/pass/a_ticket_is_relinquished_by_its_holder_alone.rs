@@ -15,7 +15,7 @@ fn main() {
     let (standing, scope) = (Standing::new(), Scope::new());
     let (id, gate) = (ticket.id(), lamp.gate());
     let made_up = Seat { id, gate, standing: &standing, agent: &scope, broker: &scope };
-    broker.relinquish(&made_up, 0, Holder::Lives);
+    broker.relinquish(&made_up, faregate_tickets::recorder::Unrecorded::default(), Holder::Lives);
     broker.service();
     assert_eq!(ticket.invoke(Switch::On), Ok(true));
 }
