@@ -13,6 +13,8 @@ only. LOOM_MAX_PREEMPTIONS explores further than the models' own bounds.
 USAGE
 }
 
+# What loom says when two threads are in one cell.
+one_inside="Causality violation: Concurrent write accesses"
 # feature | model | the claim that must fail
 mutants="
 tickets/any-tenant | doors::one_tenant | One Tenant: two tickets of one gate are valid together
@@ -20,16 +22,21 @@ tickets/check-then-act | doors::closed_door | Closed Door: a command was issued 
 tickets/exempt-by-name | safe_mode::nobody_is_resurrected | Closed Door: revoke_all_but_me resurrected its ticket
 tickets/late-epoch | safe_mode::late_epoch | Late Epoch Invariant: valid below the floor
 tickets/late-safing | hand_over::late_safing | Restoration: late safing hit the restored holder
+tickets/look-before-announcing | ways::empty_room_by_fence | $one_inside
 tickets/look-first | shared::interlock | Interlock: both sides are on
 tickets/no-fence | shared::interlock | Interlock: both sides are on
 tickets/no-quiescence | doors::empty_room | Empty Room: a command was in progress
+tickets/relaxed-entry | ways::quiescence_while_hammered | $one_inside
+tickets/relaxed-exit | ways::empty_room_by_fence | $one_inside
 tickets/relaxed-floor | safe_mode::revoke_all_but_me | Closed Door: a service revoked the exempt ticket
 tickets/relaxed-publish | shared::telemetry | Bounded Validity: an old value was read with a new time
 tickets/relaxed-withdrawal | shared::interlock_withdrawn | Interlock: the other side was still on
+tickets/sections-go-on | ways::quiescence_by_store | Closed Door: a store was done after quiescence
 tickets/stamp-outside | hand_over::restoration | Restoration: the restored ticket refuses
 tickets/torn-reason | shared::reasons | Every Refusal Explains Itself: nobody revoked it like that
 tickets/try-lock | doors::open_door | Open Door: a command of the valid ticket was not issued
 tickets/turned-on-early | hand_over::margin_kept_while_commanded | Margin Kept: the draw exceeds the supply
+tickets/unfenced | ways::empty_room_by_fence | $one_inside
 agents/early-credit | hand_over::margin_kept | Margin Kept: the draw exceeds the supply
 agents/late-admission | source_death::death_while_served | Source Death: the dead one's charge stays
 agents/lost-bar | bars::bar_against_preemption | Closed Door: a restoration undid a bar

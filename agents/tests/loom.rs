@@ -30,3 +30,5 @@ mod shared;
 mod source_death;
 #[path = "loom/stage.rs"]
 mod stage;
+#[path = "loom/ways.rs"]
+mod ways;

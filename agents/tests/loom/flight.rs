@@ -112,6 +112,7 @@ impl Bus {
     fn take(&self, lamp: usize, given: Given) {
         let bit = 1 << lamp;
         match given {
+            Given::Turned => {}
             Given::On => {
                 let lit = self.lit.fetch_or(bit, Ordering::Relaxed) | bit;
                 self.peak.fetch_max(self.draw(lit), Plain::Relaxed);

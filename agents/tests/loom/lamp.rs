@@ -1,21 +1,22 @@
 //! A device whose hardware is a closure of the model, and what it stands on.
 
+use std::marker::PhantomData;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 use faregate_tickets::amount::Milliwatts;
 use faregate_tickets::clock::{Clock, Duration, Instant};
 use faregate_tickets::device::{Declaration, Device, Effect, Profile};
-use faregate_tickets::lock::LoomLocked;
+use faregate_tickets::lock::{LoomLocked, Strategy};
 use faregate_tickets::platform::{Containment, Panicked, Platform};
 use faregate_tickets::recorder::NoLane;
 
-/// What the models stand on.
+/// What the models stand on; their gates are entered by `S`.
 #[derive(Debug)]
-pub(crate) struct Loomed;
+pub(crate) struct Loomed<S = LoomLocked>(PhantomData<S>);
 
-impl Platform for Loomed {
-    type Strategy = LoomLocked;
+impl<S: Strategy> Platform for Loomed<S> {
+    type Strategy = S;
     type Clock = &'static Ticks;
     type Lane = NoLane;
     type Containment = Contained;
@@ -52,6 +53,8 @@ impl Containment for Contained {
 pub(crate) enum Switch {
     On,
     Off,
+    /// Changes nothing that the books must know.
+    Turn(u32),
     Die,
 }
 
@@ -60,18 +63,26 @@ pub(crate) enum Switch {
 pub(crate) enum Given {
     On,
     Off,
+    Turned,
     Safe,
 }
 
 /// A driver, with the hardware that the model wants.
 pub(crate) struct Lamp {
     watts: u32,
+    /// Where `Turn` is one store.
+    register: Option<&'static AtomicU32>,
     hardware: Box<dyn FnMut(Given) + Send>,
 }
 
 impl Lamp {
     pub(crate) fn new(watts: u32, hardware: impl FnMut(Given) + Send + 'static) -> Self {
-        Self { watts, hardware: Box::new(hardware) }
+        Self { watts, register: None, hardware: Box::new(hardware) }
+    }
+
+    /// The same lamp, with a register.
+    pub(crate) fn with(self, register: &'static AtomicU32) -> Self {
+        Self { register: Some(register), ..self }
     }
 }
 
@@ -88,6 +99,7 @@ impl Device for Lamp {
         let effect = match command {
             Switch::On | Switch::Die => Effect::on(Milliwatts::from_watts(1)),
             Switch::Off => Effect::Off,
+            Switch::Turn(_) => Effect::Unchanged,
         };
         Declaration { code: 0, wcet: Duration::from_millis(1), effect }
     }
@@ -96,6 +108,12 @@ impl Device for Lamp {
         match command {
             Switch::On => (self.hardware)(Given::On),
             Switch::Off => (self.hardware)(Given::Off),
+            Switch::Turn(to) => {
+                (self.hardware)(Given::Turned);
+                if let Some(register) = self.register {
+                    register.store(to, Ordering::Relaxed);
+                }
+            }
             Switch::Die => {
                 (self.hardware)(Given::On);
                 resume_unwind(Box::new(Death));
@@ -107,5 +125,16 @@ impl Device for Lamp {
     fn safe(&mut self) -> Result<(), ()> {
         (self.hardware)(Given::Safe);
         Ok(())
+    }
+
+    fn register(&self) -> Option<&'static AtomicU32> {
+        self.register
+    }
+
+    fn word(command: &Switch) -> Option<(u32, ())> {
+        match *command {
+            Switch::Turn(to) => Some((to, ())),
+            Switch::On | Switch::Off | Switch::Die => None,
+        }
     }
 }

@@ -5,6 +5,7 @@ use faregate_tickets::clock::Duration;
 use faregate_tickets::gate::{Admission, Blocked, Handle, Key};
 use faregate_tickets::id::{GateId, TicketId};
 use faregate_tickets::interlock::Member;
+use faregate_tickets::lock::{LoomLocked, Strategy};
 use faregate_tickets::recorder::NoLane;
 use faregate_tickets::scope::Scope;
 use faregate_tickets::standing::{Stamp, Standing};
@@ -14,7 +15,7 @@ use faregate_tickets::validity::Validity;
 use crate::lamp::{Given, Lamp, Loomed, Ticks};
 use crate::model::keep;
 
-pub(crate) type Ticket = faregate_tickets::Ticket<'static, Lamp, Loomed, Nobody>;
+pub(crate) type Ticket<S = LoomLocked> = faregate_tickets::Ticket<'static, Lamp, Loomed<S>, Nobody>;
 
 /// To whom tickets of a stage go back.
 #[derive(Debug)]
@@ -31,30 +32,36 @@ impl Issuer for Nobody {
 }
 
 /// A gate with two holders, 0 and 1. Their serials are 1 and 2.
-pub(crate) struct Stage {
+pub(crate) struct Stage<S: Strategy = LoomLocked> {
     pub(crate) key: Key<'static>,
     pub(crate) standings: [Standing; 2],
-    handle: Handle<'static, Lamp, Loomed>,
+    handle: Handle<'static, Lamp, Loomed<S>>,
     agent: Scope,
     pub(crate) broker: Scope,
 }
 
 /// Time does not pass in a model.
-pub(crate) const PATIENCE: Duration = Duration::ZERO;
+pub(crate) const PATIENCE: Duration = Duration::MAX;
 
 impl Stage {
     pub(crate) fn new(hardware: impl FnMut(Given) + Send + 'static) -> &'static Self {
-        Self::behind(keep(gate(hardware)))
+        Self::of(Lamp::new(1, hardware))
     }
 
     pub(crate) fn interlocked(
         member: Member<'static>,
         hardware: impl FnMut(Given) + Send + 'static,
     ) -> &'static Self {
-        Self::behind(keep(gate(hardware).interlocked(member)))
+        Self::behind(keep(gate(Lamp::new(1, hardware)).interlocked(member)))
+    }
+}
+
+impl<S: Strategy> Stage<S> {
+    pub(crate) fn of(lamp: Lamp) -> &'static Self {
+        Self::behind(keep(gate(lamp)))
     }
 
-    fn behind(gate: &'static mut Gate<'static, Lamp, Loomed>) -> &'static Self {
+    fn behind(gate: &'static mut Gate<'static, Lamp, Loomed<S>>) -> &'static Self {
         let (key, handle) = gate.key().split();
         let standings = [Standing::new(), Standing::new()];
         for (serial, standing) in (1..).zip(&standings) {
@@ -63,7 +70,7 @@ impl Stage {
         keep(Self { key, standings, handle, agent: Scope::new(), broker: Scope::new() })
     }
 
-    pub(crate) fn ticket(&'static self, holder: usize) -> Ticket {
+    pub(crate) fn ticket(&'static self, holder: usize) -> Ticket<S> {
         let seat = Seat {
             id: TicketId { seat: 0, serial: holder + 1 },
             gate: GateId(0),
@@ -111,7 +118,7 @@ impl Stage {
     }
 }
 
-fn gate(hardware: impl FnMut(Given) + Send + 'static) -> Gate<'static, Lamp, Loomed> {
+fn gate<S: Strategy>(lamp: Lamp) -> Gate<'static, Lamp, Loomed<S>> {
     let clock: &'static Ticks = keep(Ticks::default());
-    Gate::new(Lamp::new(1, hardware), clock, NoLane)
+    Gate::new(lamp, clock, NoLane)
 }
