@@ -9,6 +9,7 @@
 //! All agents of a broker share one set of books, and so one lock: arbitration
 //! is one total order over all of them, and nothing can deadlock.
 
+mod actions;
 mod arbitrate;
 mod device;
 mod grant;
@@ -23,7 +24,6 @@ use faregate_tickets::device::{Estimate, Profile};
 use faregate_tickets::fault::GateFault;
 use faregate_tickets::id::{GateId, TicketId};
 use faregate_tickets::scope::Seen;
-use faregate_tickets::standing::Why;
 use faregate_tickets::ticket::Holder;
 
 use crate::limits::{LARGEST_SUPPLY, MAX_AGENTS, MAX_GATES, MAX_SEATS};
@@ -31,6 +31,7 @@ use crate::policy::{Categories, Policy};
 use crate::refusal::RequestRefused;
 use crate::roster::Rosters;
 
+pub use actions::{Actions, List, Noted};
 use device::DeviceBook;
 use grant::{Grant, SetBook};
 pub use handover::{Done, Work};
@@ -132,38 +133,6 @@ pub enum Event {
     Done(Done),
 }
 
-/// What is to be done at once, before the books are left.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Actions {
-    /// Grants to revoke, by one increment each.
-    pub revoked: heapless::Vec<(TicketId, Why), ACTIONS>,
-    /// Grants whose present epoch is to be explained, without an increment.
-    pub explained: heapless::Vec<(TicketId, Why), ACTIONS>,
-    /// Grants that are over: to be revoked by one increment each, and their
-    /// seats taken from them.
-    pub ended: heapless::Vec<TicketId, ACTIONS>,
-    /// Tickets that became valid.
-    pub granted: heapless::Vec<TicketId, ACTIONS>,
-    /// Devices that were seen off, or proved stuck.
-    pub noted: heapless::Vec<Noted, ACTIONS>,
-}
-
-/// What became of a device, for the flight recorder.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Noted {
-    /// Freshly seen off: its charge is credited.
-    SeenOff(GateId),
-    /// Made safe as often as declared, and not seen off.
-    Stuck(GateId),
-    /// Its gate became faulted.
-    Faulted(GateId, GateFault),
-}
-
-/// Each revoked grant has a gate, but for the one that the event itself names;
-/// of those whose time is over, as many are ended in a step as there may be
-/// gates.
-const ACTIONS: usize = MAX_GATES + 8;
-
 impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     const CAPACITIES: () = {
         assert!(G >= 1 && G <= MAX_GATES, "gates are kept in the bits of one word");
@@ -222,45 +191,63 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         self.devices.push(book).ok().map(|()| GateId(number))
     }
 
-    /// Takes an event in, and decides anew.
-    pub fn step(&mut self, event: Event) -> Actions {
-        self.steps([event])
+    /// Takes an event in, and decides anew. What is to be done about it is in
+    /// `actions` afterwards, and nothing else.
+    ///
+    /// # Timing
+    /// Bounded by the gates and sets.
+    pub fn step(&mut self, event: Event, actions: &mut Actions<G>) {
+        self.steps([event], actions);
     }
 
     /// Takes events in that came together, and decides anew once.
-    pub fn steps(&mut self, events: impl IntoIterator<Item = Event>) -> Actions {
-        let mut actions = Actions::default();
+    ///
+    /// # Timing
+    /// As [`Books::step`], for each event.
+    pub fn steps(&mut self, events: impl IntoIterator<Item = Event>, actions: &mut Actions<G>) {
+        actions.clear();
         for event in events {
-            self.take_in(event, &mut actions);
+            self.take_in(event, actions);
         }
-        self.end_what_is_over(&mut actions);
-        self.arbitrate(&mut actions);
-        actions
+        self.end_what_is_over(actions);
+        self.arbitrate(actions);
     }
 
     /// Takes a request in, and decides anew.
     ///
     /// # Errors
     /// [`RequestRefused`], and the books are as they were.
-    pub fn request(&mut self, ask: &Ask) -> Result<(TicketId, Actions), RequestRefused> {
+    ///
+    /// # Timing
+    /// As [`Books::step`].
+    pub fn request(
+        &mut self,
+        ask: &Ask,
+        actions: &mut Actions<G>,
+    ) -> Result<TicketId, RequestRefused> {
+        actions.clear();
         let ticket = self.seat(ask)?;
-        let mut actions = Actions::default();
-        self.arbitrate(&mut actions);
-        Ok((ticket, actions))
+        self.arbitrate(actions);
+        Ok(ticket)
     }
 
     /// Takes back a ticket, or one gate of its set. Nothing is decided: that is
     /// for the next step, and not for whoever drops a ticket.
     ///
     /// # Timing
-    /// Constant in the tickets and the gates of others.
-    pub fn relinquished(&mut self, ticket: TicketId, gate: GateId, holder: Holder) -> Actions {
-        let mut actions = Actions::default();
-        self.relinquish(ticket, gate, holder, &mut actions);
-        actions
+    /// Bounded by the gates of the ticket's own grant.
+    pub fn relinquished(
+        &mut self,
+        ticket: TicketId,
+        gate: GateId,
+        holder: Holder,
+        actions: &mut Actions<G>,
+    ) {
+        actions.clear();
+        self.relinquish(ticket, gate, holder, actions);
     }
 
-    fn take_in(&mut self, event: Event, actions: &mut Actions) {
+    fn take_in(&mut self, event: Event, actions: &mut Actions<G>) {
         match event {
             Event::Tick(now) => self.tick(now, actions),
             Event::Noticed { broker, agents, survivors } => {

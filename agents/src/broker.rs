@@ -55,6 +55,8 @@ struct Ledger<P: Platform, const G: usize, const T: usize, const S: usize> {
     clock: P::Clock,
     lane: P::Lane,
     bars_seen: usize,
+    /// What the latest step asked for.
+    actions: Actions<G>,
     /// Tickets that became valid or ended, to be notified by the next service,
     /// which has been asked for.
     changed: heapless::Vec<TicketId, CHANGED>,
@@ -108,6 +110,7 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
                 clock,
                 lane,
                 bars_seen: 0,
+                actions: Actions::new(),
                 changed: heapless::Vec::new(),
             }),
             notify,
@@ -154,7 +157,7 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
         let profile = *key.profile();
         let added = self.enter(|ledger| {
             let now = ledger.clock.now();
-            ledger.books.step(Event::Tick(now));
+            ledger.books.step(Event::Tick(now), &mut ledger.actions);
             ledger.books.add_gate(agent.number, profile, categories)
         });
         let gate = added.flatten().ok_or(RegisterError::NoCapacity)?;
@@ -248,8 +251,8 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
     fn tell(&self, event: Event) -> Option<()> {
         let told = self.enter(|ledger| {
             let now = ledger.clock.now();
-            let actions = ledger.books.steps([Event::Tick(now), event]);
-            self.carry_out(ledger, now, &actions);
+            ledger.books.steps([Event::Tick(now), event], &mut ledger.actions);
+            self.carry_out(ledger, now);
         });
         self.notify.service_due();
         told
@@ -261,16 +264,16 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
         self.ledger.with(f).ok()
     }
 
-    /// What a step asks for at once: increments, and records.
-    fn carry_out(&self, ledger: &mut Ledger<P, G, T, S>, now: Instant, actions: &Actions) {
+    /// What the step asked for at once: increments, and records.
+    fn carry_out(&self, ledger: &mut Ledger<P, G, T, S>, now: Instant) {
+        let Ledger { actions, changed, lane, .. } = ledger;
         for ticket in actions.granted.iter().chain(&actions.ended) {
-            if ledger.changed.push(*ticket).is_err() {
+            if changed.push(*ticket).is_err() {
                 // More than fits between two services: better under the lock
                 // than not at all.
                 self.notify.ticket_changed(*ticket);
             }
         }
-        let lane = &mut ledger.lane;
         // What was granted in this step may have been revoked in it.
         for ticket in &actions.granted {
             lane.record(Record::of(now, *ticket, RecordedEvent::Granted));
@@ -325,8 +328,8 @@ impl<P: Platform, N: Notify, const G: usize, const T: usize, const S: usize> Iss
                 ledger.lane.record(Record::of(now, ticket, event));
             }
             ledger.lane.record(Record::of(now, ticket, RecordedEvent::Relinquished));
-            let actions = ledger.books.relinquished(ticket, gate, holder);
-            self.carry_out(ledger, now, &actions);
+            ledger.books.relinquished(ticket, gate, holder, &mut ledger.actions);
+            self.carry_out(ledger, now);
         });
         self.notify.service_due();
     }

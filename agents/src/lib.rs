@@ -129,7 +129,7 @@ mod policy;
 mod refusal;
 mod roster;
 
-pub use books::{Actions, Ask, Books, DeviceReport, DeviceState, Done, Event, Noted, Work};
+pub use books::{Actions, Ask, Books, DeviceReport, DeviceState, Done, Event, List, Noted, Work};
 pub use broker::{
     AgentId, Broker, Handle, NotQuiescent, NotYours, Quiescent, RegisterError, Revoked, Supervisor,
     Want, Wants,

@@ -239,25 +239,27 @@ fn what_was_seen_on_stays_charged_when_its_holder_leaves_it() {
 #[test]
 fn each_ticket_whose_time_is_over_is_reported_once_however_many_there_are() {
     let mut books = Box::new(Books::<4, 256, 16>::new(Instant::START));
+    let mut actions = faregate_agents::Actions::default();
     let agent = books.add_agent(Policy::unlimited()).unwrap();
     let gates = [(); 3].map(|()| books.add_gate(agent, Profile::new(), Categories::NONE).unwrap());
     let ask = |gate| Ask::new(Priority::EMERGENCY, gate, Validity::always());
-    let holders = gates.map(|gate| books.request(&ask(gate)).unwrap().0);
+    let holders = gates.map(|gate| books.request(&ask(gate), &mut actions).unwrap());
     let window: Validity = Function::window(Instant::START, Instant::from_micros(10)).into();
     let short = |gate| Ask::new(Priority::EMERGENCY, gate, window);
     for _ in 0..64 {
-        books.request(&short(gates[0])).unwrap();
+        books.request(&short(gates[0]), &mut actions).unwrap();
     }
     for _ in 0..16 {
-        books.request(&short(gates[1]).and(gates[2], window).unwrap()).unwrap();
+        books.request(&short(gates[1]).and(gates[2], window).unwrap(), &mut actions).unwrap();
     }
     for (gate, holder) in gates.iter().zip(holders) {
-        books.relinquished(holder, *gate, Holder::Lives);
+        books.relinquished(holder, *gate, Holder::Lives, &mut actions);
     }
     let taken = 256 - books.free_seats();
     let mut ended = 0;
-    for _ in 0..3 {
-        ended += books.step(Event::Tick(Instant::from_micros(20))).ended.len();
+    for _ in 0..80 {
+        books.step(Event::Tick(Instant::from_micros(20)), &mut actions);
+        ended += actions.ended.len();
     }
     assert_eq!((taken, ended, books.free_seats()), (80, 80, 256));
 }

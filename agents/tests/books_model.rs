@@ -150,7 +150,8 @@ impl World {
     fn feed(&mut self, event: Event) {
         let now = Instant::from_micros(self.now);
         let before: Vec<_> = (0..3).map(|gate| self.state(gate)).collect();
-        let actions = self.books.steps([Event::Tick(now), event]);
+        let mut actions = Actions::default();
+        self.books.steps([Event::Tick(now), event], &mut actions);
         for (gate, before) in before.into_iter().enumerate() {
             // Whoever used it may have freed it.
             self.stuck[gate] &= before != DeviceState::Leaving || self.state(gate) == before;
@@ -158,7 +159,7 @@ impl World {
         self.carry_out(&actions);
     }
 
-    fn carry_out(&mut self, actions: &Actions) {
+    fn carry_out(&mut self, actions: &Actions<3>) {
         for noted in &actions.noted {
             match *noted {
                 Noted::SeenOff(gate) => self.stuck[usize::from(gate.0)] = false,
@@ -258,7 +259,8 @@ impl World {
         for gate in &gates[1..] {
             ask = ask.and(id(*gate), Validity::always()).unwrap();
         }
-        let (ticket, actions) = self.books.request(&ask).unwrap();
+        let mut actions = Actions::default();
+        let ticket = self.books.request(&ask, &mut actions).unwrap();
         self.carry_out(&actions);
         self.holders[client] = Holder::Holds { ticket, commanded: false };
     }
@@ -407,11 +409,9 @@ impl Model for Clients {
                 let Holder::Holds { ticket, .. } = world.holders[client] else { return None };
                 for gate in CLIENTS[client].gates {
                     let gate = GateId(u8::try_from(*gate).unwrap());
-                    let actions = world.books.relinquished(
-                        ticket,
-                        gate,
-                        faregate_tickets::ticket::Holder::Lives,
-                    );
+                    let mut actions = Actions::default();
+                    let lives = faregate_tickets::ticket::Holder::Lives;
+                    world.books.relinquished(ticket, gate, lives, &mut actions);
                     world.carry_out(&actions);
                 }
                 world.feed(Event::Tick(Instant::START));

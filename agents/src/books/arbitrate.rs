@@ -63,7 +63,7 @@ fn add(draws: &mut Draws, agent: u8, draw: Milliwatts) {
 
 impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     /// Decides anew, and sets in motion what the decision asks for.
-    pub(super) fn arbitrate(&mut self, actions: &mut Actions) {
+    pub(super) fn arbitrate(&mut self, actions: &mut Actions<G>) {
         let candidates = self.candidates();
         let choice = self.choose(&candidates);
         self.preempt_unchosen(&candidates, &choice, actions);
@@ -240,7 +240,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         &mut self,
         candidates: &Candidates,
         choice: &Choice,
-        actions: &mut Actions,
+        actions: &mut Actions<G>,
     ) {
         for number in 0..self.devices.len() {
             let tenant = self.devices.get(number).and_then(|device| device.tenant);

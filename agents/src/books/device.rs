@@ -171,13 +171,17 @@ impl DeviceBook {
     }
 
     /// The safing attempt that just ended has failed.
-    pub(crate) fn attempt_failed(&mut self, gate: GateId, actions: &mut Actions) {
+    pub(crate) fn attempt_failed<const G: usize>(
+        &mut self,
+        gate: GateId,
+        actions: &mut Actions<G>,
+    ) {
         self.phase = Phase::Idle;
         self.failed = self.failed.saturating_add(1);
         if self.failed >= self.profile.safing_attempts.max(1) {
             self.stuck = true;
             self.must_safe = false;
-            let _ = actions.noted.push(Noted::Stuck(gate));
+            actions.noted.push(Noted::Stuck(gate));
         }
     }
 }

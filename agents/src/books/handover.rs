@@ -230,7 +230,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         times.chain(over).min()
     }
 
-    pub(super) fn tick(&mut self, now: Instant, actions: &mut Actions) {
+    pub(super) fn tick(&mut self, now: Instant, actions: &mut Actions<G>) {
         self.now = self.now.max(now);
         let now = self.now;
         for (number, device) in (0..).zip(&mut self.devices) {
@@ -240,7 +240,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         }
     }
 
-    pub(super) fn observe(&mut self, gate: GateId, estimate: Estimate, actions: &mut Actions) {
+    pub(super) fn observe(&mut self, gate: GateId, estimate: Estimate, actions: &mut Actions<G>) {
         if estimate.measured_at > self.now {
             // From a clock that is ahead: it would count as fresh for ever.
             return;
@@ -259,7 +259,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
             (Power::Off, Phase::Leaving { .. }) => self.seen_off(gate, estimate.measured_at),
             (Power::Off, Phase::Idle | Phase::Confirming { .. }) if fresh => {
                 self.seen_off(gate, estimate.measured_at);
-                let _ = actions.noted.push(Noted::SeenOff(gate));
+                actions.noted.push(Noted::SeenOff(gate));
             }
             (Power::Off, Phase::Admitting | Phase::Held) => {
                 device.stuck &= !fresh;
@@ -328,7 +328,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         }
     }
 
-    pub(super) fn done(&mut self, done: Done, actions: &mut Actions) {
+    pub(super) fn done(&mut self, done: Done, actions: &mut Actions<G>) {
         match done {
             Done::Vacated { gate, ended, vacated } => self.vacated(gate, ended, &vacated),
             Done::Safed { gate, tenure, attempt, safed } => {
@@ -427,7 +427,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         after: usize,
         tenure: usize,
         ticket: TicketId,
-        actions: &mut Actions,
+        actions: &mut Actions<G>,
     ) {
         let Some(device) = self.device_mut(gate) else { return };
         #[cfg(not(feature = "mutant-late-admission"))]
@@ -445,7 +445,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
             if let Some(grant) = self.grant_mut(ticket.seat) {
                 grant.state = State::Valid;
             }
-            let _ = actions.granted.push(ticket);
+            actions.granted.push(ticket);
         }
     }
 

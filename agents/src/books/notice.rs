@@ -19,7 +19,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         broker: Seen,
         agents: &[Seen; MAX_AGENTS],
         survivors: u64,
-        actions: &mut Actions,
+        actions: &mut Actions<G>,
     ) {
         let broker_ended = self.broker_seen.epoch != broker.epoch;
         self.broker_seen = broker;
@@ -58,7 +58,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         broker: usize,
         agent: usize,
         survivors: u64,
-        actions: &mut Actions,
+        actions: &mut Actions<G>,
     ) {
         let Some(device) = self.device(gate) else { return };
         let Some(seat) = device.tenant else { return };
@@ -82,13 +82,13 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     pub(super) fn notice_faults(
         &mut self,
         faults: &[Option<GateFault>; MAX_GATES],
-        actions: &mut Actions,
+        actions: &mut Actions<G>,
     ) {
         for ((number, device), fault) in (0..).zip(&mut self.devices).zip(faults) {
             if let (None, Some(fault)) = (device.fault, *fault) {
                 // What the driver did last is not known.
                 device.must_safe |= device.phase != Phase::Off;
-                let _ = actions.noted.push(Noted::Faulted(GateId(number), fault));
+                actions.noted.push(Noted::Faulted(GateId(number), fault));
             }
             device.fault = *fault;
         }

@@ -6,7 +6,7 @@ use faregate_tickets::standing::Why;
 use faregate_tickets::ticket::Holder;
 use faregate_tickets::validity::{Function, Validity};
 
-use crate::limits::{MAX_AGENTS, MAX_GATES, MAX_SET_GATES, SEATS_PER_KEPT};
+use crate::limits::{MAX_AGENTS, MAX_SET_GATES, SEATS_PER_KEPT};
 use crate::refusal::{Capacity, RequestRefused};
 
 use super::device::{LastUser, Phase};
@@ -93,7 +93,9 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         ticket: TicketId,
         gate: GateId,
         validity: Validity,
-    ) -> Result<Actions, RequestRefused> {
+        actions: &mut Actions<G>,
+    ) -> Result<(), RequestRefused> {
+        actions.clear();
         let grant = self.grant_of(ticket).ok_or(RequestRefused::Stale)?;
         let (bits, set) = (grant.gates, grant.set);
         if bits & bit(gate) != 0 {
@@ -111,7 +113,8 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
             return Err(RequestRefused::NoCapacity(Capacity::SetGates));
         }
         self.take(&taken);
-        Ok(self.grow(ticket.seat, set, &more))
+        self.grow(ticket.seat, set, &more, actions);
+        Ok(())
     }
 
     /// What is asked for, each ticket for a device with draw with a lease.
@@ -223,10 +226,9 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         TicketId { seat, serial }
     }
 
-    fn grow(&mut self, seat: u16, set: u8, more: &[(GateId, Validity)]) -> Actions {
-        let mut actions = Actions::default();
+    fn grow(&mut self, seat: u16, set: u8, more: &[(GateId, Validity)], actions: &mut Actions<G>) {
         self.leave_line(seat);
-        self.preempt(seat, Why::Extended, &mut actions);
+        self.preempt(seat, Why::Extended, actions);
         let first = self.grant(seat).map(|grant| (grant.set, grant.gates, grant.validity));
         if let Some(book) = self.sets.get_mut(usize::from(set)) {
             book.seat = Some(seat);
@@ -245,8 +247,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
             grant.set = Some(set);
             grant.gates = more.iter().fold(grant.gates, |bits, (gate, _)| bits | bit(*gate));
         }
-        self.arbitrate(&mut actions);
-        actions
+        self.arbitrate(actions);
     }
 
     /// Grants of one gate stand in its roster; sets are in their own table.
@@ -280,7 +281,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         ticket: TicketId,
         gate: GateId,
         holder: Holder,
-        actions: &mut Actions,
+        actions: &mut Actions<G>,
     ) {
         let Some(grant) = self.grant_of(ticket).filter(|grant| grant.gates & bit(gate) != 0) else {
             return;
@@ -297,7 +298,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     }
 
     /// One gate of a set is given back; the others stay valid.
-    fn give_up_gate(&mut self, seat: u16, gate: GateId, actions: &mut Actions) {
+    fn give_up_gate(&mut self, seat: u16, gate: GateId, actions: &mut Actions<G>) {
         let state = self.grant(seat).map(|grant| grant.state);
         if state == Some(State::Granting) {
             // The gate might be the last one, which would make the rest valid.
@@ -317,7 +318,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     }
 
     /// A grant is over: its seat is free at once, its devices are not.
-    pub(super) fn end(&mut self, seat: u16, actions: &mut Actions) {
+    pub(super) fn end(&mut self, seat: u16, actions: &mut Actions<G>) {
         let Some(grant) = self.grant(seat) else { return };
         let (gates, set, id) = (grant.gates, grant.set, grant.id(seat));
         self.leave_line(seat);
@@ -328,7 +329,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
             book.seat = None;
             book.members.clear();
         }
-        let _ = actions.ended.push(id);
+        actions.ended.push(id);
         let free = self.free;
         if let Some(grant) = self.grants.get_mut(usize::from(seat)) {
             let own = grant.own.wrapping_add(1);
@@ -341,10 +342,10 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     /// A waiting grant whose time is over ends when its turn comes, before
     /// anybody is taken for it. As many as the actions have room for; the rest
     /// is for the next step.
-    pub(super) fn end_what_is_over(&mut self, actions: &mut Actions) {
+    pub(super) fn end_what_is_over(&mut self, actions: &mut Actions<G>) {
         for gate in 0..self.devices.len() {
             while let Some(seat) = self.first_in_line(gate).filter(|seat| self.is_over(*seat)) {
-                if actions.ended.len() >= MAX_GATES {
+                if actions.ended.len() >= G {
                     return;
                 }
                 self.end(seat, actions);
@@ -352,7 +353,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         }
         for set in 0..S {
             let seat = self.sets.get(set).and_then(|set| set.seat);
-            if actions.ended.len() >= MAX_GATES {
+            if actions.ended.len() >= G {
                 return;
             }
             if let Some(seat) = seat.filter(|seat| self.is_over(*seat)) {
@@ -422,13 +423,13 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     }
 
     /// Revokes a grant that stays in line.
-    pub(super) fn preempt(&mut self, seat: u16, why: Why, actions: &mut Actions) {
+    pub(super) fn preempt(&mut self, seat: u16, why: Why, actions: &mut Actions<G>) {
         let Some(grant) = self.grant_mut(seat).filter(|grant| grant.is_granted()) else { return };
         grant.state = State::Waiting;
         grant.exempt = false;
         grant.own = grant.own.wrapping_add(1);
         let (gates, id) = (grant.gates, grant.id(seat));
-        let _ = actions.revoked.push((id, why));
+        actions.revoked.push((id, why));
         self.put_out(seat, gates);
     }
 
@@ -442,7 +443,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         }
     }
 
-    pub(super) fn bar(&mut self, seat: u16, epoch: usize, actions: &mut Actions) {
+    pub(super) fn bar(&mut self, seat: u16, epoch: usize, actions: &mut Actions<G>) {
         let Some(grant) = self.grant(seat) else { return };
         let (gates, used) = (grant.gates, LastUser::Grant { seat, serial: grant.serial });
         self.leave_line(seat);
@@ -456,7 +457,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
             grant.state = State::Barred;
             grant.exempt = false;
             grant.own = epoch;
-            let _ = actions.explained.push((grant.id(seat), Why::Barred));
+            actions.explained.push((grant.id(seat), Why::Barred));
         }
     }
 
@@ -496,7 +497,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         gate: GateId,
         serial: usize,
         ends_ticket: bool,
-        actions: &mut Actions,
+        actions: &mut Actions<G>,
     ) {
         let Some(seat) = self.device(gate).and_then(|device| device.tenant) else { return };
         if self.grant(seat).is_none_or(|grant| grant.serial != serial) {

@@ -273,9 +273,9 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
         let id = ticket.id();
         let entered = self.enter(|ledger| {
             let now = ledger.clock.now();
-            let actions = ledger.books.extend(id, gate, want.validity)?;
+            ledger.books.extend(id, gate, want.validity, &mut ledger.actions)?;
             let agents = ledger.books.agents_of(id);
-            self.carry_out(ledger, now, &actions);
+            self.carry_out(ledger, now);
             self.with_standing(id.seat, |standing| standing.set_agents(agents));
             Ok(id)
         });
@@ -285,16 +285,16 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
     fn seat(&self, priority: Priority, ask: &Ask) -> Result<TicketId, RequestRefused> {
         let entered = self.ledger.with(|ledger| {
             let now = ledger.clock.now();
-            let passed = ledger.books.step(Event::Tick(now));
-            self.carry_out(ledger, now, &passed);
-            let (id, actions) = ledger.books.request(ask)?;
+            ledger.books.step(Event::Tick(now), &mut ledger.actions);
+            self.carry_out(ledger, now);
+            let id = ledger.books.request(ask, &mut ledger.actions)?;
             let agents = ledger.books.agents_of(id);
             self.with_standing(id.seat, |standing| {
                 standing.set_holder(ask.holder());
                 standing.seat(id.serial, agents);
             });
             ledger.lane.record(Record::of(now, id, RecordedEvent::Requested { priority }));
-            self.carry_out(ledger, now, &actions);
+            self.carry_out(ledger, now);
             Ok(id)
         });
         entered.unwrap_or(Err(RequestRefused::Unavailable))

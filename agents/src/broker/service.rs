@@ -2,7 +2,7 @@
 
 use faregate_tickets::clock::{Clock, Instant};
 use faregate_tickets::gate::{Admission, Key};
-use faregate_tickets::id::{GateId, Priority};
+use faregate_tickets::id::{GateId, Priority, TicketId};
 use faregate_tickets::lock::Exclusion;
 use faregate_tickets::notify::Notify;
 use faregate_tickets::platform::Platform;
@@ -15,6 +15,9 @@ use crate::limits::MAX_GATES;
 
 use super::{Broker, Ledger};
 
+/// How many are told at once that their tickets changed.
+const TOLD: usize = 8;
+
 /// What a look at the books found.
 #[expect(clippy::large_enum_variant, reason = "there is no heap to put the large one on")]
 enum Found {
@@ -24,6 +27,8 @@ enum Found {
         gate: GateId,
         serial: usize,
     },
+    /// More tickets that changed than are told of at once.
+    Changed,
     /// Nothing, until then.
     Due(Option<Instant>),
 }
@@ -52,6 +57,7 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
             match self.look(event.take()) {
                 Found::Work(work) => event = self.perform(&work).map(Event::Done),
                 Found::Limit { gate, serial } => event = self.look_at_limit(gate, serial),
+                Found::Changed => {}
                 Found::Due(due) => return due,
             }
         }
@@ -64,18 +70,20 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
 
     /// Takes in what happened, and what can be seen, and looks what is due.
     fn look(&self, event: Option<Event>) -> Found {
-        let mut changed = heapless::Vec::new();
+        let mut changed = heapless::Vec::<TicketId, TOLD>::new();
         let found = self.ledger.with(|ledger| {
             let now = ledger.clock.now();
             self.look_for_bars(ledger, now);
             let noticed = self.noticed(ledger);
             Self::record_safe_modes(ledger, now, &noticed);
-            let actions = ledger
-                .books
-                .steps([Event::Tick(now), noticed, self.faults()].into_iter().chain(event));
-            self.carry_out(ledger, now, &actions);
-            changed = core::mem::take(&mut ledger.changed);
-            self.find(ledger, now)
+            let events = [Event::Tick(now), noticed, self.faults()].into_iter().chain(event);
+            ledger.books.steps(events, &mut ledger.actions);
+            self.carry_out(ledger, now);
+            while !changed.is_full() {
+                let Some(ticket) = ledger.changed.pop() else { break };
+                let _ = changed.push(ticket);
+            }
+            if ledger.changed.is_empty() { self.find(ledger, now) } else { Found::Changed }
         });
         for ticket in changed {
             self.notify.ticket_changed(ticket);
@@ -156,8 +164,8 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
             } else {
                 Event::Barred { seat, epoch }
             };
-            let actions = ledger.books.step(event);
-            self.carry_out(ledger, now, &actions);
+            ledger.books.step(event, &mut ledger.actions);
+            self.carry_out(ledger, now);
         }
     }
 

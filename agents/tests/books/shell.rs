@@ -12,15 +12,16 @@ use faregate_tickets::scope::Scope;
 use faregate_tickets::standing::{Standing, Why};
 
 use super::lamp::with_hung;
-use super::world::{SEATS, World};
+use super::world::{GATES, SEATS, World};
 
 /// More steps than any hand-over of so few gates needs.
-const MOST_STEPS: usize = 16 * super::world::GATES + 16;
+const MOST_STEPS: usize = 16 * GATES + 16;
 
 impl World<'_> {
     pub(crate) fn feed(&mut self, event: Event) {
         let stuck_before = self.states();
-        let actions = self.books.steps([Event::Tick(self.now()), event]);
+        let mut actions = Actions::default();
+        self.books.steps([Event::Tick(self.now()), event], &mut actions);
         self.note_vacated(&stuck_before);
         self.carry_out(&actions);
     }
@@ -40,7 +41,7 @@ impl World<'_> {
         }
     }
 
-    pub(crate) fn carry_out(&mut self, actions: &Actions) {
+    pub(crate) fn carry_out(&mut self, actions: &Actions<GATES>) {
         for noted in &actions.noted {
             match *noted {
                 Noted::SeenOff(gate) => self.stuck[usize::from(gate.0)] = false,
@@ -67,7 +68,7 @@ impl World<'_> {
         self.check_granted();
     }
 
-    fn check_reasons(&self, actions: &Actions) {
+    fn check_reasons(&self, actions: &Actions<GATES>) {
         for (ticket, why) in &actions.revoked {
             let Why::Preempted { by, priority } = why else { continue };
             let Some(taker) = self.grants.get(&by.serial) else { continue };

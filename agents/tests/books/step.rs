@@ -317,10 +317,11 @@ impl World<'_> {
         for gate in &distinct[1..] {
             ask = ask.and(*gate, limit.validity()).unwrap();
         }
-        let passed = self.books.step(Event::Tick(self.now()));
-        self.carry_out(&passed);
+        let mut actions = faregate_agents::Actions::default();
+        self.books.step(Event::Tick(self.now()), &mut actions);
+        self.carry_out(&actions);
         let before = self.books.clone();
-        let Ok((id, actions)) = self.books.request(&ask) else {
+        let Ok(id) = self.books.request(&ask, &mut actions) else {
             assert_eq!(self.books, before, "a refused request changes nothing");
             return;
         };
@@ -348,8 +349,10 @@ impl World<'_> {
         let (gate, _) = grant.tickets.remove(which);
         let id = grant.id;
         let over = grant.tickets.is_empty();
-        let actions = self.books.relinquished(id, gate, faregate_tickets::ticket::Holder::Lives);
-        assert_eq!(over, actions.ended.contains(&id), "over with its last ticket");
+        let mut actions = faregate_agents::Actions::default();
+        self.books.relinquished(id, gate, faregate_tickets::ticket::Holder::Lives, &mut actions);
+        let ended = actions.ended.iter().any(|ended| *ended == id);
+        assert_eq!(over, ended, "over with its last ticket");
         self.carry_out(&actions);
     }
 
@@ -357,10 +360,11 @@ impl World<'_> {
         let Some(serial) = self.pick(ticket) else { return };
         let id = self.grants[&serial].id;
         let before = self.books.clone();
-        let Ok(actions) = self.books.extend(id, gate, Validity::always()) else {
+        let mut actions = faregate_agents::Actions::default();
+        if self.books.extend(id, gate, Validity::always(), &mut actions).is_err() {
             assert_eq!(self.books, before, "a refused extension changes nothing");
             return;
-        };
+        }
         let ticket = self.ticket(id, gate);
         self.grants.get_mut(&serial).unwrap().tickets.push((gate, ticket));
         self.carry_out(&actions);

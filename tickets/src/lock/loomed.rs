@@ -134,12 +134,7 @@ pub enum LoomSections {}
 impl Sections for LoomSections {
     fn store(watch: &Watch<'_>, register: &AtomicU32, word: u32) -> Outcome {
         let _alone = SECTION.lock().expect("no guard goes down with a panic");
-        let as_expected = watch
-            .words
-            .iter()
-            .zip(watch.values)
-            .all(|(word, expected)| word.load(Ordering::Relaxed) == expected);
-        if !as_expected {
+        if !watch.is_as_expected() {
             return Outcome::Refused;
         }
         register.store(word, core::sync::atomic::Ordering::Relaxed);

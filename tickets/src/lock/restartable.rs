@@ -34,6 +34,18 @@ pub struct Watch<'a> {
     pub(crate) values: [usize; 4],
 }
 
+impl Watch<'_> {
+    /// Whether every word has the value that is expected.
+    ///
+    /// # Timing
+    /// Constant: four loads.
+    #[must_use]
+    pub fn is_as_expected(&self) -> bool {
+        let [a, b, c, d] = self.words.map(|word| word.load(Ordering::Relaxed));
+        [a, b, c, d] == self.values
+    }
+}
+
 /// How a section ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Outcome {
