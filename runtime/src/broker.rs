@@ -392,18 +392,18 @@ impl Broker {
         let deadline = MonotonicClock::new().now().after(timeout);
         let waiter = self.waiters.register(ticket.id());
         loop {
-            let due = self.agents.service();
-            match ticket.check() {
-                Ok(()) => return Ok(()),
-                Err(Refusal::NotValid(Why::Expired)) => return Err(NotValid::Expired),
-                Err(_) if MonotonicClock::new().now() >= deadline => {
-                    return Err(NotValid::TimedOut(self.agents.waiting_for(ticket.id())));
-                }
-                Err(_) => {
-                    let until = due.map_or(deadline, |due| due.min(deadline));
-                    self.waiters.wait(waiter.as_ref(), until);
-                }
+            if let Some(end) = decided(ticket) {
+                return end;
             }
+            let due = self.agents.service();
+            if let Some(end) = decided(ticket) {
+                return end;
+            }
+            if MonotonicClock::new().now() >= deadline {
+                return Err(NotValid::TimedOut(self.agents.waiting_for(ticket.id())));
+            }
+            let until = due.map_or(deadline, |due| due.min(deadline));
+            self.waiters.wait(waiter.as_ref(), until);
         }
     }
 
@@ -460,6 +460,15 @@ impl Broker {
     #[must_use]
     pub fn clock(&self) -> MonotonicClock {
         MonotonicClock::new()
+    }
+}
+
+/// Whether waiting for the ticket is over.
+fn decided<D: Device, S: Strategy>(ticket: &Ticket<D, S>) -> Option<Result<(), NotValid>> {
+    match ticket.check() {
+        Ok(()) => Some(Ok(())),
+        Err(Refusal::NotValid(Why::Expired)) => Some(Err(NotValid::Expired)),
+        Err(_) => None,
     }
 }
 

@@ -74,12 +74,12 @@ static RSEQ_OFFSET: AtomicIsize = AtomicIsize::new(0);
 
 // SAFETY: glibc registers the area of a thread, with the signature that
 // `Registered` names, before the thread runs anything else, at the distance
-// that it publishes; `threads_are_registered` has seen that it does. (Who makes
-// a thread past the C library answers for it.)
+// that it publishes. The offset is zero until `threads_are_registered` has seen
+// that it does. (Who makes a thread past the C library answers for it.)
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 unsafe impl Registered for RseqArea {
     fn offset() -> isize {
-        // Relaxed: written before the first gate that asks was made.
+        // Relaxed: it is zero or right, whoever reads it when.
         RSEQ_OFFSET.load(Ordering::Relaxed)
     }
 }
@@ -93,8 +93,10 @@ pub(crate) fn threads_are_registered() -> bool {
     let size = unsafe { size.cast::<core::ffi::c_uint>().read() };
     // SAFETY: glibc's `__rseq_offset` is a `ptrdiff_t` that stays as it is.
     let offset = unsafe { offset.cast::<isize>().read() };
+    // A size of zero is how glibc says that it has registered nothing.
+    let offset = if size > 0 { offset } else { 0 };
     RSEQ_OFFSET.store(offset, Ordering::Relaxed);
-    size > 0 && offset != 0
+    offset != 0
 }
 
 /// Where the C library has this variable, if it has it.

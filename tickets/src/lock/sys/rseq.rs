@@ -30,12 +30,13 @@ mod x86_64;
 /// Says where each thread's `rseq` area is.
 ///
 /// # Safety
-/// After [`offset`](Registered::offset) has answered, at that distance from
-/// each thread's thread pointer is the area that this thread registered with
-/// the kernel, with the signature `0x53053053` (x86-64) or `0xd428bc00`
-/// (aarch64), for as long as it runs code of this crate.
+/// At the distance that [`offset`](Registered::offset) answers, if it is not
+/// zero, each thread's thread pointer is followed or preceded by the area that
+/// this thread registered with the kernel, with the signature `0x53053053`
+/// (x86-64) or `0xd428bc00` (aarch64), for as long as it runs code of this crate.
 pub unsafe trait Registered: 'static {
-    /// The distance, in bytes, of the area from the thread pointer.
+    /// The distance, in bytes, of the area from the thread pointer; zero while
+    /// it is not known. Then every command goes through the lock.
     ///
     /// # Timing
     /// Called for each section: one load.
@@ -57,8 +58,11 @@ impl<I: Registered> Rseq<I> {
 
 impl<I: Registered> Sections for Rseq<I> {
     fn store(watch: &Watch<'_>, register: &AtomicU32, word: u32) -> Outcome {
-        // SAFETY: `Registered` promises the area at this offset.
-        unsafe { section(watch, register, word, I::offset()) }
+        match I::offset() {
+            0 => Outcome::Refused,
+            // SAFETY: `Registered` promises the area at this offset.
+            offset => unsafe { section(watch, register, word, offset) },
+        }
     }
 
     fn end_all() -> bool {
