@@ -5,5 +5,6 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo test --workspace
-# The locks under every strategy, those of other targets included.
-cargo test --locked -p faregate-tickets --features linux,lock-api,critical-section --test locks
+# The locks under every strategy, those of other targets included, and tickets' own ways.
+cargo test --locked -p faregate-tickets --features linux,lock-api,critical-section \
+    --test locks --test ways

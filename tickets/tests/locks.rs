@@ -13,11 +13,23 @@ use std::time::Instant;
 use std::{env, fs, thread};
 
 use faregate_tickets::clock::Duration;
-use faregate_tickets::lock::{Exclusion, Locked, Masked, Owner, PiLocked, Shut, Strategy};
+use faregate_tickets::lock::{
+    Exclusion, Fenced, Locked, Masked, Owner, PiLocked, Shut, Strategy, Wait,
+};
 
 type Pi = <PiLocked<sys::Kernel> as Strategy>::Lock<u64>;
 type ParkingLot = <Locked<parking_lot::RawMutex, parking_lot::RawThreadId> as Strategy>::Lock<u64>;
+type Fence = <Fenced<PiLocked<sys::Kernel>, Never> as Strategy>::Lock<u64>;
 type Mask = <Masked as Strategy>::Lock<u64>;
+
+/// Here everybody comes by the lock, so nobody is in flight beside it.
+enum Never {}
+
+impl Wait for Never {
+    fn until(_: Duration, _: impl FnMut() -> bool) -> bool {
+        unreachable!("no ticket has a short way")
+    }
+}
 
 /// Makes a test of each claim about each lock.
 macro_rules! claims {
@@ -38,6 +50,14 @@ claims! {
         a_wait_ends_when_the_lock_is_left
     }
     locked: super::ParkingLot {
+        one_thread_at_a_time_is_inside
+        a_lock_entered_again_by_its_own_thread_refuses
+        a_closure_that_unwinds_leaves_the_lock_usable
+        trying_a_busy_lock_says_so
+        a_wait_ends_at_its_timeout
+        a_wait_ends_when_the_lock_is_left
+    }
+    fenced: super::Fence {
         one_thread_at_a_time_is_inside
         a_lock_entered_again_by_its_own_thread_refuses
         a_closure_that_unwinds_leaves_the_lock_usable

@@ -1,0 +1,204 @@
+//! What the tenant's own way keeps, beside what every lock keeps.
+#![expect(clippy::unwrap_used, reason = "what a test needs and does not get fails the test")]
+
+use std::hint::black_box;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::mpsc;
+use std::thread;
+use std::time::Instant;
+
+use faregate_tickets::clock::Duration;
+use faregate_tickets::id::{GateId, TicketId};
+use faregate_tickets::lock::{Exclusion, Fenced, Locked, Next, Owner, Shut, Strategy, Wait, Way};
+use faregate_tickets::scope::Scope;
+use faregate_tickets::standing::Standing;
+use faregate_tickets::ticket::Seat;
+
+/// Yields, for as long as it takes or until a deadline.
+enum Yielding {}
+
+impl Wait for Yielding {
+    fn until(timeout: Duration, mut over: impl FnMut() -> bool) -> bool {
+        let start = Instant::now();
+        while !over() {
+            if Duration::from(start.elapsed()) >= timeout {
+                return false;
+            }
+            thread::yield_now();
+        }
+        true
+    }
+}
+
+type Inner = Locked<parking_lot::RawMutex, parking_lot::RawThreadId>;
+type Lock = <Fenced<Inner, Yielding> as Strategy>::Lock<u64>;
+type TicketsWay<'l> = <Lock as Exclusion<u64>>::Way<'l>;
+
+/// Longer than anything here takes on a busy machine.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+fn way(lock: &Lock) -> TicketsWay<'_> {
+    let (standing, scope) =
+        (Box::leak(Box::new(Standing::new())), Box::leak(Box::new(Scope::new())));
+    let id = TicketId { seat: 0, serial: 1 };
+    lock.way(&Seat { id, gate: GateId(0), standing, agent: scope, broker: scope }, PATIENCE)
+}
+
+/// Which way a command came.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Came {
+    Short,
+    ByTheLock,
+}
+
+/// Inside, the lock itself tells: on the short way it is free, and says only
+/// that somebody is in.
+fn command(lock: &Lock, way: &TicketsWay<'_>) -> Came {
+    let tried = way.with(
+        || Ok::<(), ()>(()),
+        |value, ()| {
+            *value += 1;
+            (lock.try_with(|_| ()), Next::Enter)
+        },
+    );
+    match tried.unwrap().unwrap() {
+        Err(Shut::Busy) => Came::Short,
+        Err(Shut::Reentered) => Came::ByTheLock,
+        other => panic!("entered while somebody was inside: {other:?}"),
+    }
+}
+
+#[test]
+fn the_first_command_opens_the_short_way_and_whoever_enters_closes_it() {
+    let lock = Lock::new(0);
+    let way = way(&lock);
+    assert_eq!([(); 3].map(|()| command(&lock, &way)), [Came::ByTheLock, Came::Short, Came::Short]);
+    assert_eq!(lock.with(|value| *value), Ok(3));
+    assert_eq!([(); 2].map(|()| command(&lock, &way)), [Came::ByTheLock, Came::Short]);
+    assert_eq!(lock.with_until(PATIENCE, |value, owner| (*value, owner)), Ok((5, Owner::Sound)));
+    assert_eq!([(); 2].map(|()| command(&lock, &way)), [Came::ByTheLock, Came::Short]);
+}
+
+#[test]
+fn one_short_way_is_open_at_a_time() {
+    let lock = Lock::new(0);
+    let [one, other] = [way(&lock), way(&lock)];
+    for _ in 0..3 {
+        assert_eq!([(); 2].map(|()| command(&lock, &one)), [Came::ByTheLock, Came::Short]);
+        assert_eq!([(); 2].map(|()| command(&lock, &other)), [Came::ByTheLock, Came::Short]);
+    }
+}
+
+#[test]
+fn a_refused_command_opens_nothing() {
+    let lock = Lock::new(0);
+    let [valid, refused] = [way(&lock), way(&lock)];
+    command(&lock, &valid);
+    assert_eq!(refused.with(|| Err::<(), _>("no"), |_, ()| ((), Next::Enter)), Ok(Err("no")));
+    assert_eq!(refused.try_with(|| Err::<(), _>("no"), |_, ()| ((), Next::Enter)), Ok(Err("no")));
+    assert_eq!(command(&lock, &refused), Came::ByTheLock, "its way was never open");
+}
+
+#[test]
+fn ways_are_as_many_as_is_said_and_go_back() {
+    let lock = Lock::new(0);
+    let mut ways: Vec<_> = (0..Lock::SHORT_WAYS).map(|_| way(&lock)).collect();
+    for way in &ways {
+        assert_eq!([(); 2].map(|()| command(&lock, way)), [Came::ByTheLock, Came::Short]);
+    }
+    let late = way(&lock);
+    assert_eq!([(); 2].map(|()| command(&lock, &late)), [Came::ByTheLock; 2], "none is left");
+    ways[3].step_back();
+    assert_eq!([(); 2].map(|()| command(&lock, &late)), [Came::ByTheLock, Came::Short]);
+    assert_eq!(command(&lock, &ways[3]), Came::ByTheLock, "it gave its way up");
+    drop(ways.pop());
+    assert_eq!([(); 2].map(|()| command(&lock, &ways[3])), [Came::ByTheLock, Came::Short]);
+}
+
+#[test]
+fn a_ticket_entered_again_by_its_own_driver_refuses() {
+    let lock = Lock::new(0);
+    let [way, other] = [way(&lock), way(&lock)];
+    let enter = |way: &TicketsWay<'_>| way.try_with(|| Ok::<(), ()>(()), |_, ()| ((), Next::Enter));
+    for by in [Shut::Reentered, Shut::Reentered] {
+        let again = way.with(|| Ok::<(), ()>(()), |_, ()| (enter(&way), Next::Enter));
+        assert_eq!(again, Ok(Ok(Err(by))));
+    }
+    let other = way.with(|| Ok::<(), ()>(()), |_, ()| (enter(&other), Next::Enter));
+    assert_eq!(other, Ok(Ok(Err(Shut::Busy))), "another ticket's is told that somebody is in");
+}
+
+#[test]
+fn a_command_that_unwinds_leaves_its_way() {
+    let lock = Lock::new(0);
+    let way = way(&lock);
+    for _ in 0..2 {
+        command(&lock, &way);
+        let unwind = || {
+            way.with(|| Ok::<(), ()>(()), |_, ()| -> ((), Next) { resume_unwind(Box::new("gone")) })
+        };
+        assert!(catch_unwind(AssertUnwindSafe(unwind)).is_err());
+        assert_eq!(lock.with(|value| *value).map(|value| value > 0), Ok(true));
+    }
+}
+
+#[test]
+fn a_wait_for_a_command_in_flight_ends_at_its_timeout_and_with_the_command() {
+    let lock = Lock::new(0);
+    let (entered, is_in) = mpsc::channel();
+    let (go_on, may_go) = mpsc::channel::<()>();
+    thread::scope(|threads| {
+        let way = way(&lock);
+        command(&lock, &way);
+        threads.spawn(move || {
+            let stays = way.with(
+                || Ok::<(), ()>(()),
+                |value, ()| {
+                    entered.send(()).unwrap();
+                    may_go.recv().unwrap();
+                    *value += 1;
+                    ((), Next::Enter)
+                },
+            );
+            assert_eq!(stays, Ok(Ok(())));
+        });
+        is_in.recv().unwrap();
+        for timeout in [Duration::ZERO, Duration::from_millis(20)] {
+            assert_eq!(lock.with_until(timeout, |_, _| ()), Err(Shut::TimedOut));
+        }
+        assert_eq!(lock.try_with(|_| ()), Err(Shut::Busy));
+        go_on.send(()).unwrap();
+        assert_eq!(lock.with_until(PATIENCE, |value, _| *value), Ok(2), "what it did is seen");
+    });
+}
+
+#[test]
+fn one_thread_at_a_time_is_inside_whichever_way_it_came() {
+    const ENTRIES: u64 = 20_000;
+    let lock = Lock::new(0);
+    // A read and a write, apart: two threads inside together lose a count.
+    let count = |value: &mut u64| {
+        let read = black_box(*value);
+        thread::yield_now();
+        *value = black_box(read + 1);
+    };
+    thread::scope(|threads| {
+        let tenant = way(&lock);
+        threads.spawn(move || {
+            for _ in 0..ENTRIES {
+                let issued =
+                    tenant.with(|| Ok::<(), ()>(()), |value, ()| (count(value), Next::Enter));
+                issued.unwrap().unwrap();
+            }
+        });
+        for _ in 0..2 {
+            threads.spawn(|| {
+                for _ in 0..ENTRIES / 10 {
+                    lock.with_until(PATIENCE, |value, _| count(value)).unwrap();
+                    (0..100).for_each(|_| thread::yield_now());
+                }
+            });
+        }
+    });
+    assert_eq!(lock.with(|value| *value), Ok(ENTRIES + 2 * (ENTRIES / 10)));
+}
