@@ -324,7 +324,7 @@ impl<P: Platform, N: Notify, const G: usize, const T: usize, const S: usize> Iss
         let (ticket, gate) = (seat.id, seat.gate);
         self.enter(|ledger| {
             let now = ledger.clock.now();
-            for event in counted.events() {
+            for event in counted.events().into_iter().flatten() {
                 ledger.lane.record(Record::of(now, ticket, event));
             }
             ledger.lane.record(Record::of(now, ticket, RecordedEvent::Relinquished));

@@ -4,6 +4,7 @@ mod control;
 mod inside;
 mod key;
 
+use core::cell::Cell;
 use core::fmt;
 use core::sync::atomic::AtomicU32;
 
@@ -11,7 +12,7 @@ use crate::clock::Instant;
 use crate::device::{Declaration, Device, Effect, Profile};
 use crate::fault::GateFault;
 use crate::interlock::Member;
-use crate::lock::{Exclusion, Next, Shut, Strategy, Way};
+use crate::lock::{Exclusion, Next, Shut, Strategy, Task, Way};
 use crate::platform::Platform;
 use crate::recorder::Unrecorded;
 use crate::refusal::{InvokeError, Refusal};
@@ -187,15 +188,15 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
         &self,
         way: &WayOf<'_, D, P>,
         command: D::Command,
-        counted: Unrecorded,
+        unrecorded: &Cell<Unrecorded>,
         look: impl Fn() -> Result<usize, Refusal>,
     ) -> Result<D::Response, InvokeError<D::Fault>> {
         if cfg!(feature = "mutant-try-lock") {
-            return self.try_invoke(way, command, counted, look);
+            return self.try_invoke(way, command, unrecorded, look);
         }
         look().inspect_err(|_| way.step_back())?;
         let look = self.looking_inside(look);
-        way.with(look, |inside, serial| self.issue(inside, serial, command, counted))
+        way.with(look, Issue { gate: self, command, unrecorded })
             .unwrap_or_else(|shut| Err(self.shut(shut)))?
     }
 
@@ -204,12 +205,12 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
         &self,
         way: &WayOf<'_, D, P>,
         command: D::Command,
-        counted: Unrecorded,
+        unrecorded: &Cell<Unrecorded>,
         look: impl Fn() -> Result<usize, Refusal>,
     ) -> Result<D::Response, InvokeError<D::Fault>> {
         look().inspect_err(|_| way.step_back())?;
         let look = self.looking_inside(look);
-        way.try_with(look, |inside, serial| self.issue(inside, serial, command, counted))
+        way.try_with(look, Issue { gate: self, command, unrecorded })
             .unwrap_or_else(|shut| Err(self.shut(shut)))?
     }
 
@@ -254,30 +255,32 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
 
     /// Closed Door, Open Door and Empty Room meet here: look, check, issue and
     /// commit are one critical section. The look was made in it just before.
+    // Always: see `Task`.
+    #[inline(always)]
     fn issue(
         &self,
         inside: &mut Inside<D, P>,
         serial: usize,
         command: D::Command,
-        counted: Unrecorded,
+        unrecorded: &Cell<Unrecorded>,
     ) -> (Result<D::Response, InvokeError<D::Fault>>, Next) {
         let declared = D::declare(&command);
-        if let Err(refusal) = self.agree(inside, &declared) {
-            return (Err(refusal.into()), Next::Enter);
-        }
-        let started = inside.now();
-        inside.record_counted(started, serial, counted);
+        let started = match self.agree(inside, &declared) {
+            Ok(now) => now,
+            Err(refusal) => return (Err(refusal.into()), Next::Enter),
+        };
+        inside.record_counted(started, serial, unrecorded);
         // Before the driver runs: one that unwinds was given it all the same.
         inside.record_issued(started, serial, declared.code);
         let result = inside.issue(&self.published, command);
-        let ended = inside.now();
+        let ended = inside.now_after(started);
         #[cfg(not(feature = "mutant-turned-on-early"))]
         if let Effect::On { .. } = declared.effect {
             // What was measured while the driver ran may be from before it
             // reached the device.
             inside.turned_on = ended;
         }
-        self.published.set_look_again(started, inside.validity.look_again_at(started));
+        self.look_again_after(inside, started);
         self.check_duration(inside, ended.since(started), declared.wcet);
         (result, self.next(inside))
     }
@@ -291,7 +294,8 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
     /// Checks every validity function, then commits every one. Counted before
     /// the driver runs, so that a driver which unwinds has used what it used;
     /// nobody can look in between.
-    fn agree(&self, inside: &mut Inside<D, P>, declared: &Declaration) -> Result<(), Refusal> {
+    /// Answers the instant that was decided on.
+    fn agree(&self, inside: &mut Inside<D, P>, declared: &Declaration) -> Result<Instant, Refusal> {
         if self.exceeds_profile(declared) {
             return Err(Refusal::Undeclared);
         }
@@ -305,7 +309,7 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
             inside.may_be_on = true;
             inside.turned_on = now;
         }
-        Ok(())
+        Ok(now)
     }
 
     /// The margin is charged by the profile, and the bound of a hand-over
@@ -326,6 +330,14 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
         }
         member.announce();
         Ok(())
+    }
+
+    /// Publishes when a limit could run out. Without limits nothing does, and
+    /// the admission has said so.
+    fn look_again_after(&self, inside: &Inside<D, P>, now: Instant) {
+        if !inside.validity.is_unlimited() {
+            self.published.set_look_again(now, inside.validity.look_again_at(now));
+        }
     }
 
     fn check_duration(
@@ -362,6 +374,28 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
 
     pub(crate) fn fault(&self) -> Option<GateFault> {
         self.published.fault()
+    }
+
+    /// The gate's fault, as a code; 0: none.
+    pub(crate) fn fault_code(&self) -> usize {
+        // Relaxed: as in `Published::fault`.
+        self.published.fault.load(Ordering::Relaxed)
+    }
+}
+
+/// Issuing a command, inside.
+struct Issue<'a, 't, D: Device, P: Platform> {
+    gate: &'a Gate<'t, D, P>,
+    command: D::Command,
+    unrecorded: &'a Cell<Unrecorded>,
+}
+
+impl<D: Device, P: Platform> Task<Inside<D, P>, usize> for Issue<'_, '_, D, P> {
+    type Output = Result<D::Response, InvokeError<D::Fault>>;
+
+    #[inline(always)]
+    fn run(self, inside: &mut Inside<D, P>, serial: usize) -> (Self::Output, Next) {
+        self.gate.issue(inside, serial, self.command, self.unrecorded)
     }
 }
 

@@ -104,27 +104,27 @@ pub trait Exclusion<T: Send>: Sync {
 
 /// A ticket's own way into a lock.
 pub trait Way<T> {
-    /// Runs `f` alone with the value, if `look`, made inside, agrees. What it
-    /// answered goes to `f`; `f` says how the way is left.
+    /// Does `task` alone with the value, if `look`, made inside, agrees; what
+    /// it answered goes to the task.
     ///
     /// # Errors
     /// As [`Exclusion::with`]; where the strategy cannot tell re-entry,
     /// [`Shut::TimedOut`] instead. The inner error is what `look` said.
-    fn with<S, E, R>(
+    fn with<S, E, J: Task<T, S>>(
         &self,
         look: impl Fn() -> Result<S, E>,
-        f: impl FnOnce(&mut T, S) -> (R, Next),
-    ) -> Result<Result<R, E>, Shut>;
+        task: J,
+    ) -> Result<Result<J::Output, E>, Shut>;
 
     /// Like [`with`](Way::with), or says [`Shut::Busy`] at once.
     ///
     /// # Errors
     /// As [`with`](Way::with), and [`Shut::Busy`].
-    fn try_with<S, E, R>(
+    fn try_with<S, E, J: Task<T, S>>(
         &self,
         look: impl Fn() -> Result<S, E>,
-        f: impl FnOnce(&mut T, S) -> (R, Next),
-    ) -> Result<Result<R, E>, Shut>;
+        task: J,
+    ) -> Result<Result<J::Output, E>, Shut>;
 
     /// Stores `word` in `register` if nobody entered and nothing was revoked
     /// since the way was left as [`Next::Store`]; answers whether it did.
@@ -141,6 +141,26 @@ pub trait Way<T> {
     fn step_back(&self) {}
 }
 
+/// What is done inside.
+///
+/// A trait instead of a closure, because a closure cannot be told to be inlined
+/// always. A strategy that calls it in two places would hand it over in memory.
+pub trait Task<T, S> {
+    /// What comes of it.
+    type Output;
+
+    /// Does it, after `seen` was seen inside; says how the way is left.
+    fn run(self, value: &mut T, seen: S) -> (Self::Output, Next);
+}
+
+impl<T, S, R, F: FnOnce(&mut T, S) -> (R, Next)> Task<T, S> for F {
+    type Output = R;
+
+    fn run(self, value: &mut T, seen: S) -> (R, Next) {
+        self(value, seen)
+    }
+}
+
 /// How a [`Way`] is left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Next {
@@ -153,20 +173,20 @@ pub enum Next {
 
 /// The way of everybody.
 impl<T: Send, L: Exclusion<T> + ?Sized> Way<T> for &L {
-    fn with<S, E, R>(
+    fn with<S, E, J: Task<T, S>>(
         &self,
         look: impl Fn() -> Result<S, E>,
-        f: impl FnOnce(&mut T, S) -> (R, Next),
-    ) -> Result<Result<R, E>, Shut> {
-        (**self).with(|value| look().map(|seen| f(value, seen).0))
+        task: J,
+    ) -> Result<Result<J::Output, E>, Shut> {
+        (**self).with(|value| look().map(|seen| task.run(value, seen).0))
     }
 
-    fn try_with<S, E, R>(
+    fn try_with<S, E, J: Task<T, S>>(
         &self,
         look: impl Fn() -> Result<S, E>,
-        f: impl FnOnce(&mut T, S) -> (R, Next),
-    ) -> Result<Result<R, E>, Shut> {
-        (**self).try_with(|value| look().map(|seen| f(value, seen).0))
+        task: J,
+    ) -> Result<Result<J::Output, E>, Shut> {
+        (**self).try_with(|value| look().map(|seen| task.run(value, seen).0))
     }
 }
 

@@ -146,11 +146,19 @@ impl Unrecorded {
         Self { stored: self.stored.saturating_add(1), ..self }
     }
 
-    /// The records of it that there are.
-    pub fn events(self) -> impl Iterator<Item = RecordedEvent> {
+    /// Whether nothing was counted.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.refused == 0 && self.stored == 0
+    }
+
+    /// The records of it that there are. An array, because two iterators in a
+    /// chain become a loop.
+    #[must_use]
+    pub fn events(self) -> [Option<RecordedEvent>; 2] {
         let stored = (self.stored > 0).then_some(RecordedEvent::Stored { count: self.stored });
         let refused = (self.refused > 0).then_some(RecordedEvent::Refused { count: self.refused });
-        stored.into_iter().chain(refused)
+        [stored, refused]
     }
 }
 

@@ -4,6 +4,7 @@ use core::cell::Cell;
 use core::fmt;
 
 use crate::device::Device;
+use crate::fault::GateFault;
 use crate::gate::{Gate, WayOf};
 use crate::id::{GateId, Priority, TicketId};
 use crate::platform::{Containment, Platform};
@@ -97,9 +98,8 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
             self.unrecorded.set(self.unrecorded.get().and_stored());
             return Ok(response);
         }
-        let counted = self.unrecorded.take();
-        let result = self.gate.invoke(&self.way, command, counted, || self.look());
-        self.count_refused(counted, &result);
+        let result = self.gate.invoke(&self.way, command, &self.unrecorded, || self.look());
+        self.count_refused(&result);
         result
     }
 
@@ -119,9 +119,8 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
             self.unrecorded.set(self.unrecorded.get().and_stored());
             return Ok(response);
         }
-        let counted = self.unrecorded.take();
-        let result = self.gate.try_invoke(&self.way, command, counted, || self.look());
-        self.count_refused(counted, &result);
+        let result = self.gate.try_invoke(&self.way, command, &self.unrecorded, || self.look());
+        self.count_refused(&result);
         result
     }
 
@@ -209,6 +208,9 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
 
     /// Whether the ticket is valid: the serial that the gate must have as its
     /// tenant, and every stamp current.
+    // Always: it is a dozen loads and compares, twice in each invocation, and
+    // as a call it would hand its answer over in memory.
+    #[inline(always)]
     fn look(&self) -> Result<usize, Refusal> {
         let Seat { id, standing, agent, broker, .. } = self.seat;
         let (tenant, admitted_at) = self.gate.tenant();
@@ -218,15 +220,13 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
             && standing.own_is_current()
             && admitted_at == agent.epoch()
             && standing.broker_is_current(id.serial, epoch);
-        match self.gate.fault() {
-            None if valid => Ok(id.serial),
-            fault => Err(self.explain(fault)),
-        }
+        let fault = self.gate.fault_code();
+        if valid && fault == 0 { Ok(id.serial) } else { Err(self.explain(fault)) }
     }
 
     #[cold]
-    fn explain(&self, fault: Option<crate::fault::GateFault>) -> Refusal {
-        if let Some(fault) = fault {
+    fn explain(&self, fault: usize) -> Refusal {
+        if let Some(fault) = GateFault::from_code(fault) {
             return Refusal::Faulted(fault);
         }
         let Seat { id, standing, agent, broker, .. } = self.seat;
@@ -239,14 +239,9 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
         Refusal::RevokedAll { floor }
     }
 
-    /// Counts on from `before`, which was taken out and not recorded.
-    fn count_refused(
-        &self,
-        before: Unrecorded,
-        result: &Result<D::Response, InvokeError<D::Fault>>,
-    ) {
+    fn count_refused(&self, result: &Result<D::Response, InvokeError<D::Fault>>) {
         if let Err(InvokeError::Refused(_)) = result {
-            self.unrecorded.set(before.and_refused());
+            self.unrecorded.set(self.unrecorded.get().and_refused());
         }
     }
 }

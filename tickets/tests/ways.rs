@@ -56,7 +56,7 @@ enum Came {
 fn command(lock: &Lock, way: &TicketsWay<'_>) -> Came {
     let tried = way.with(
         || Ok::<(), ()>(()),
-        |value, ()| {
+        |value: &mut u64, ()| {
             *value += 1;
             (lock.try_with(|_| ()), Next::Enter)
         },
@@ -94,8 +94,14 @@ fn a_refused_command_opens_nothing() {
     let lock = Lock::new(0);
     let [valid, refused] = [way(&lock), way(&lock)];
     command(&lock, &valid);
-    assert_eq!(refused.with(|| Err::<(), _>("no"), |_, ()| ((), Next::Enter)), Ok(Err("no")));
-    assert_eq!(refused.try_with(|| Err::<(), _>("no"), |_, ()| ((), Next::Enter)), Ok(Err("no")));
+    assert_eq!(
+        refused.with(|| Err::<(), _>("no"), |_: &mut u64, ()| ((), Next::Enter)),
+        Ok(Err("no"))
+    );
+    assert_eq!(
+        refused.try_with(|| Err::<(), _>("no"), |_: &mut u64, ()| ((), Next::Enter)),
+        Ok(Err("no"))
+    );
     assert_eq!(command(&lock, &refused), Came::ByTheLock, "its way was never open");
 }
 
@@ -119,12 +125,14 @@ fn ways_are_as_many_as_is_said_and_go_back() {
 fn a_ticket_entered_again_by_its_own_driver_refuses() {
     let lock = Lock::new(0);
     let [way, other] = [way(&lock), way(&lock)];
-    let enter = |way: &TicketsWay<'_>| way.try_with(|| Ok::<(), ()>(()), |_, ()| ((), Next::Enter));
+    let enter = |way: &TicketsWay<'_>| {
+        way.try_with(|| Ok::<(), ()>(()), |_: &mut u64, ()| ((), Next::Enter))
+    };
     for by in [Shut::Reentered, Shut::Reentered] {
-        let again = way.with(|| Ok::<(), ()>(()), |_, ()| (enter(&way), Next::Enter));
+        let again = way.with(|| Ok::<(), ()>(()), |_: &mut u64, ()| (enter(&way), Next::Enter));
         assert_eq!(again, Ok(Ok(Err(by))));
     }
-    let other = way.with(|| Ok::<(), ()>(()), |_, ()| (enter(&other), Next::Enter));
+    let other = way.with(|| Ok::<(), ()>(()), |_: &mut u64, ()| (enter(&other), Next::Enter));
     assert_eq!(other, Ok(Ok(Err(Shut::Busy))), "another ticket's is told that somebody is in");
 }
 
@@ -135,7 +143,10 @@ fn a_command_that_unwinds_leaves_its_way() {
     for _ in 0..2 {
         command(&lock, &way);
         let unwind = || {
-            way.with(|| Ok::<(), ()>(()), |_, ()| -> ((), Next) { resume_unwind(Box::new("gone")) })
+            way.with(
+                || Ok::<(), ()>(()),
+                |_: &mut u64, ()| -> ((), Next) { resume_unwind(Box::new("gone")) },
+            )
         };
         assert!(catch_unwind(AssertUnwindSafe(unwind)).is_err());
         assert_eq!(lock.with(|value| *value).map(|value| value > 0), Ok(true));
@@ -153,7 +164,7 @@ fn a_wait_for_a_command_in_flight_ends_at_its_timeout_and_with_the_command() {
         threads.spawn(move || {
             let stays = way.with(
                 || Ok::<(), ()>(()),
-                |value, ()| {
+                |value: &mut u64, ()| {
                     entered.send(()).unwrap();
                     may_go.recv().unwrap();
                     *value += 1;
@@ -186,8 +197,8 @@ fn one_thread_at_a_time_is_inside_whichever_way_it_came() {
         let tenant = way(&lock);
         threads.spawn(move || {
             for _ in 0..ENTRIES {
-                let issued =
-                    tenant.with(|| Ok::<(), ()>(()), |value, ()| (count(value), Next::Enter));
+                let issued = tenant
+                    .with(|| Ok::<(), ()>(()), |value: &mut u64, ()| (count(value), Next::Enter));
                 issued.unwrap().unwrap();
             }
         });

@@ -1,5 +1,7 @@
 //! What is behind a gate's lock: plain state, and the driver.
 
+use core::cell::Cell;
+
 use crate::clock::{Clock, Instant};
 use crate::device::Device;
 use crate::fault::GateFault;
@@ -63,11 +65,17 @@ impl<D: Device, P: Platform> Inside<D, P> {
 
     /// The present instant, never before one that was read earlier.
     pub(super) fn now(&mut self) -> Instant {
+        self.now_after(self.latest)
+    }
+
+    /// The present instant, never before `latest`, the one read last. Who still
+    /// has that need not wait for it to come back from memory.
+    pub(super) fn now_after(&mut self, latest: Instant) -> Instant {
         let now = self.clock.now();
-        if now < self.latest {
-            self.record(self.latest, 0, RecordedEvent::ClockWentBack);
+        if now < latest {
+            self.record(latest, 0, RecordedEvent::ClockWentBack);
         }
-        self.latest = self.latest.max(now);
+        self.latest = now.max(latest);
         self.latest
     }
 
@@ -75,8 +83,22 @@ impl<D: Device, P: Platform> Inside<D, P> {
         self.lane.record(Record { at, ticket, event });
     }
 
-    pub(super) fn record_counted(&mut self, at: Instant, ticket: usize, counted: Unrecorded) {
-        for event in counted.events() {
+    /// Records what the ticket has counted, which begins to count anew.
+    pub(super) fn record_counted(
+        &mut self,
+        at: Instant,
+        ticket: usize,
+        unrecorded: &Cell<Unrecorded>,
+    ) {
+        // Most commands follow an admitted one: nothing to write back.
+        if unrecorded.get().is_empty() {
+            return;
+        }
+        let [stored, refused] = unrecorded.take().events();
+        if let Some(event) = stored {
+            self.record(at, ticket, event);
+        }
+        if let Some(event) = refused {
             self.record(at, ticket, event);
         }
     }

@@ -4,7 +4,7 @@ use core::marker::PhantomData;
 
 use super::sys::Excludes;
 use super::sys::fenced::{FencedLock, FencedWay};
-use super::{Exclusion, Next, Owner, Shut, Strategy, Way};
+use super::{Exclusion, Owner, Shut, Strategy, Task, Way};
 use crate::clock::Duration;
 use crate::ticket::Seat;
 
@@ -77,32 +77,45 @@ impl<T: Send, S: Excludes, W: Wait> Exclusion<T> for FencedLock<T, S, W> {
     }
 }
 
-impl<T: Send, S: Excludes, W: Wait> Way<T> for FencedWay<'_, T, S, W> {
-    fn with<St, E, R>(
+impl<T: Send, S: Excludes, W: Wait> FencedWay<'_, T, S, W> {
+    // Apart: what the short way does not need is not in its way.
+    #[cold]
+    #[inline(never)]
+    fn with_outer<St, E, J: Task<T, St>>(
         &self,
         look: impl Fn() -> Result<St, E>,
-        f: impl FnOnce(&mut T, St) -> (R, Next),
-    ) -> Result<Result<R, E>, Shut> {
-        if let Some(inside) = self.enter()? {
-            return Ok(inside.run(|value| look().map(|seen| f(value, seen).0)));
-        }
+        task: J,
+    ) -> Result<Result<J::Output, E>, Shut> {
         let lock = self.lock;
         lock.outer.with(|()| {
-            lock.drained(self.patience, |value| look().map(|seen| self.first(value, seen, f)))
+            lock.drained(self.patience, |value| look().map(|seen| self.first(value, seen, task)))
         })?
     }
+}
 
-    fn try_with<St, E, R>(
+impl<T: Send, S: Excludes, W: Wait> Way<T> for FencedWay<'_, T, S, W> {
+    fn with<St, E, J: Task<T, St>>(
         &self,
         look: impl Fn() -> Result<St, E>,
-        f: impl FnOnce(&mut T, St) -> (R, Next),
-    ) -> Result<Result<R, E>, Shut> {
+        task: J,
+    ) -> Result<Result<J::Output, E>, Shut> {
+        match self.enter()? {
+            Some(inside) => Ok(inside.run(|value| look().map(|seen| task.run(value, seen).0))),
+            None => self.with_outer(look, task),
+        }
+    }
+
+    fn try_with<St, E, J: Task<T, St>>(
+        &self,
+        look: impl Fn() -> Result<St, E>,
+        task: J,
+    ) -> Result<Result<J::Output, E>, Shut> {
         if let Some(inside) = self.enter()? {
-            return Ok(inside.run(|value| look().map(|seen| f(value, seen).0)));
+            return Ok(inside.run(|value| look().map(|seen| task.run(value, seen).0)));
         }
         let lock = self.lock;
         let entered = lock.outer.try_with(|()| {
-            lock.drained(Duration::ZERO, |value| look().map(|seen| self.first(value, seen, f)))
+            lock.drained(Duration::ZERO, |value| look().map(|seen| self.first(value, seen, task)))
         })?;
         entered.map_err(|_| Shut::Busy)
     }

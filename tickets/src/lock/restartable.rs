@@ -5,7 +5,7 @@ use core::fmt;
 use core::marker::PhantomData;
 use core::sync::atomic::AtomicU32;
 
-use super::{Exclusion, Next, Owner, Shut, Strategy, Way};
+use super::{Exclusion, Next, Owner, Shut, Strategy, Task, Way};
 use crate::clock::Duration;
 use crate::sync::{AtomicUsize, Ordering};
 use crate::ticket::Seat;
@@ -184,12 +184,12 @@ impl<L, K: Sections> RestartableWay<'_, L, K> {
     pub const TRIES: usize = 3;
 
     /// Inside `inner`.
-    fn enter<T, St, E, R>(
+    fn enter<T, St, E, J: Task<T, St>>(
         &self,
         value: &mut T,
         look: impl Fn() -> Result<St, E>,
-        f: impl FnOnce(&mut T, St) -> (R, Next),
-    ) -> Result<Result<R, E>, Shut> {
+        task: J,
+    ) -> Result<Result<J::Output, E>, Shut> {
         // On its own way no section is in progress: its holder is here.
         if self.lock.open_to.load(Ordering::Relaxed) != self.number {
             self.lock.close()?;
@@ -197,7 +197,7 @@ impl<L, K: Sections> RestartableWay<'_, L, K> {
         // Before the look, which then is about these epochs or later ones.
         let epochs = self.epochs.map(|epoch| epoch.load(Ordering::Relaxed));
         Ok(look().map(|seen| {
-            let (result, next) = f(value, seen);
+            let (result, next) = task.run(value, seen);
             self.seen.set(epochs);
             let open = if next == Next::Store { self.number } else { CLOSED };
             // Relaxed: whom it concerns reads it after this, in program order.
@@ -208,20 +208,20 @@ impl<L, K: Sections> RestartableWay<'_, L, K> {
 }
 
 impl<T: Send, L: Exclusion<T>, K: Sections> Way<T> for RestartableWay<'_, L, K> {
-    fn with<St, E, R>(
+    fn with<St, E, J: Task<T, St>>(
         &self,
         look: impl Fn() -> Result<St, E>,
-        f: impl FnOnce(&mut T, St) -> (R, Next),
-    ) -> Result<Result<R, E>, Shut> {
-        self.lock.inner.with(|value| self.enter(value, look, f))?
+        task: J,
+    ) -> Result<Result<J::Output, E>, Shut> {
+        self.lock.inner.with(|value| self.enter(value, look, task))?
     }
 
-    fn try_with<St, E, R>(
+    fn try_with<St, E, J: Task<T, St>>(
         &self,
         look: impl Fn() -> Result<St, E>,
-        f: impl FnOnce(&mut T, St) -> (R, Next),
-    ) -> Result<Result<R, E>, Shut> {
-        self.lock.inner.try_with(|value| self.enter(value, look, f))?
+        task: J,
+    ) -> Result<Result<J::Output, E>, Shut> {
+        self.lock.inner.try_with(|value| self.enter(value, look, task))?
     }
 
     fn store(&self, register: &AtomicU32, word: u32) -> bool {

@@ -145,6 +145,11 @@ impl Function {
         Self(Kind::InModes(InModes::new(modes)))
     }
 
+    #[inline]
+    pub(super) const fn is_always(&self) -> bool {
+        matches!(self.0, Kind::Always)
+    }
+
     /// Whether it limits who may command, and so turning off as well.
     const fn limits_authority(&self) -> bool {
         matches!(self.0, Kind::Window(_) | Kind::TimeLimit(_) | Kind::Lease(_))

@@ -23,7 +23,7 @@ use core::cell::Cell;
 use core::fmt;
 use core::marker::PhantomData;
 
-use super::super::{Exclusion, Next, Shut, Strategy, Wait};
+use super::super::{Exclusion, Shut, Strategy, Task, Wait};
 use super::Excludes;
 use crate::clock::Duration;
 use crate::sync::{AtomicUsize, Ordering, SHORT_WAYS, UnsafeCell, fence};
@@ -158,16 +158,16 @@ impl<'l, T, S: Excludes, W: Wait> FencedWay<'l, T, S, W> {
         Ok((open == number).then_some(Inside { exit, value: &self.lock.value }))
     }
 
-    /// Runs `f` for a ticket that came in through `outer`, and opens its short
+    /// Does the task of a ticket that came in through `outer`, and opens its short
     /// way. The caller is inside `drained`.
-    pub(in crate::lock) fn first<St, R>(
+    pub(in crate::lock) fn first<St, J: Task<T, St>>(
         &self,
         value: &mut T,
         seen: St,
-        f: impl FnOnce(&mut T, St) -> (R, Next),
-    ) -> R {
-        // Should `f` unwind, no way is open.
-        let (result, _) = f(value, seen);
+        task: J,
+    ) -> J::Output {
+        // Should it unwind, no way is open.
+        let (result, _) = task.run(value, seen);
         if self.number.get() == CLOSED {
             self.number.set(self.lock.claim());
         }
