@@ -1,0 +1,223 @@
+//! The program: options, rows, results.
+
+mod bell;
+mod brokers;
+mod desk;
+mod device;
+mod gates;
+mod locks;
+mod measured;
+mod picture;
+mod probe;
+mod report;
+mod results;
+mod rights;
+mod rows;
+mod stage;
+mod wakeup;
+
+use std::error::Error;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Duration;
+
+use clap::Parser;
+use indicatif::{ProgressBar, ProgressStyle};
+
+use measured::Measured;
+use results::{Fragment, Played};
+use rights::{Placement, Rights};
+use rows::{Case, Expected, Row};
+use stage::Limits;
+
+/// Why something did not come to its end.
+pub(crate) type Failure = Box<dyn Error + Send + Sync>;
+
+/// What something comes to.
+pub(crate) type Outcome<T> = Result<T, Failure>;
+
+/// Measures how long revocations, hand-overs and valid commands wait for a
+/// thread that was pre-empted, behind our gates and behind plain locks.
+#[derive(Parser)]
+#[command(after_help = "Exit code: 0; 1 if a command came after quiescence, if a control that must fail \
+                        did not, or if a row could not be measured; with CI=true also if a row was skipped \
+                        because the host does not permit it. No time is judged.")]
+struct Options {
+    /// How many rounds a row has at most.
+    #[arg(long, default_value_t = 4_000, value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
+    rounds: u64,
+    /// How long a row is played at most; the plain locks need 3 ms for a round.
+    #[arg(long, value_name = "MS", default_value_t = 700, value_parser = clap::value_parser!(u64).range(1..=3_600_000))]
+    row_ms: u64,
+    /// Fewer rounds: some seconds in all.
+    #[arg(long, conflicts_with_all = ["rounds", "row_ms"])]
+    quick: bool,
+    /// The CPUs: the first for holder and hog, the second for the revoker in
+    /// rows on two. By default the first two that the process may use.
+    #[arg(long, value_delimiter = ',', value_name = "CPU,CPU", num_args = 1..=2)]
+    cpus: Vec<usize>,
+    /// Write the histograms as a picture.
+    #[arg(long, value_name = "FILE")]
+    svg: Option<PathBuf>,
+    /// Where the figures go, as JSON.
+    #[arg(long, value_name = "FILE", default_value = "target/bench/latency.json")]
+    json: PathBuf,
+}
+
+impl Options {
+    fn limits(&self) -> Limits {
+        if self.quick {
+            return Limits { rounds: 200, time: Duration::from_millis(120) };
+        }
+        Limits { rounds: self.rounds, time: Duration::from_millis(self.row_ms) }
+    }
+}
+
+pub(crate) fn main() -> ExitCode {
+    match measure(&Options::parse()) {
+        Ok(complaints) if complaints.is_empty() => ExitCode::SUCCESS,
+        Ok(complaints) => {
+            complaints.iter().for_each(|complaint| eprintln!("error: {complaint}"));
+            ExitCode::FAILURE
+        }
+        Err(failure) => {
+            eprintln!("error: {failure}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn measure(options: &Options) -> Outcome<Vec<String>> {
+    let rights = Rights::take(&options.cpus);
+    println!("Note: {}.", rights::throttling());
+    rights.missing.iter().for_each(|missing| println!("Not set up: {missing}."));
+    let mut run = Run::default();
+    run.play_all(&rights, options.limits());
+    rustix::mm::munlockall()?;
+    run.print();
+    run.write(options)?;
+    Ok(run.complaints())
+}
+
+/// What has been played.
+#[derive(Default)]
+struct Run {
+    played: Vec<Played>,
+    failed: Vec<String>,
+    skipped: Vec<String>,
+}
+
+impl Run {
+    fn play_all(&mut self, rights: &Rights, limits: Limits) {
+        let rows = rows::all();
+        let Some(&alone) = rights.placements.first() else {
+            self.skipped.push(format!("all {} rows, on one CPU and on two", rows.len()));
+            return;
+        };
+        if rights.placements.len() < 2 {
+            self.skipped.push(format!("{} rows on two CPUs", rows.len()));
+        }
+        let progress = progress(rows.len() * rights.placements.len());
+        let mut host = [WakeUps::of(false), WakeUps::of(true)];
+        for row in &rows {
+            for placement in &rights.placements {
+                progress.set_message(format!("{}, {}", row.case.name(), row.who));
+                self.play(row, *placement, limits);
+                host.iter_mut().for_each(|wake_ups| wake_ups.measure(alone));
+                progress.inc(1);
+            }
+        }
+        progress.finish_and_clear();
+        for WakeUps { who, measured, .. } in host {
+            match measured {
+                Ok(measured) => self.played.push(Played {
+                    case: Case::WakeUp,
+                    who,
+                    expected: Expected::Host,
+                    target_us: None,
+                    placement: alone,
+                    measured,
+                }),
+                Err(failure) => self.failed.push(format!("wake-up, {who}: {failure}")),
+            }
+        }
+    }
+
+    fn play(&mut self, row: &Row, placement: Placement, limits: Limits) {
+        let Row { case, who, expected, .. } = *row;
+        match row.play(placement, limits) {
+            Ok(measured) => {
+                let target_us = row.target_us(placement);
+                self.played.push(Played { case, who, expected, target_us, placement, measured });
+            }
+            Err(failure) => {
+                let (case, placement) = (case.name(), placement.name());
+                self.failed.push(format!("{case}, {placement}, {who}: not measured: {failure}"));
+            }
+        }
+    }
+
+    fn print(&self) {
+        for case in Case::ALL {
+            if let Some(table) = report::table(case, &self.played) {
+                println!("\n{table}");
+            }
+        }
+        println!();
+        results::remarks(&self.played).iter().for_each(|remark| println!("{remark}"));
+        self.skipped.iter().for_each(|skipped| println!("SKIPPED: {skipped}."));
+    }
+
+    fn write(&self, options: &Options) -> Outcome<()> {
+        let fragment = Fragment::of(&self.played, &self.skipped);
+        write(&options.json, &serde_json::to_string_pretty(&fragment)?)?;
+        match &options.svg {
+            Some(file) => write(file, &picture::draw(&self.played)),
+            None => Ok(()),
+        }
+    }
+
+    fn complaints(&self) -> Vec<String> {
+        let ci = std::env::var_os("CI").is_some_and(|ci| ci == "true");
+        let skipped = self.skipped.iter().filter(|_| ci).map(|row| format!("skipped: {row}"));
+        let wrong = self.played.iter().filter_map(Played::complaint);
+        self.failed.iter().cloned().chain(wrong).chain(skipped).collect()
+    }
+}
+
+/// The host's own wake-ups, some after each row.
+struct WakeUps {
+    who: &'static str,
+    busy: bool,
+    measured: Outcome<Measured>,
+}
+
+impl WakeUps {
+    fn of(busy: bool) -> Self {
+        let who = if busy { "the CPU is busy with the hog" } else { "the CPU is idle" };
+        Self { who, busy, measured: Measured::new() }
+    }
+
+    fn measure(&mut self, placement: Placement) {
+        let Ok(measured) = &mut self.measured else { return };
+        if let Err(failure) = wakeup::measure(measured, placement.holder_cpu, self.busy) {
+            self.measured = Err(failure);
+        }
+    }
+}
+
+fn write(file: &Path, text: &str) -> Outcome<()> {
+    let told = |error| format!("cannot write {}: {error}", file.display());
+    if let Some(folder) = file.parent() {
+        fs::create_dir_all(folder).map_err(told)?;
+    }
+    Ok(fs::write(file, text).map_err(told)?)
+}
+
+fn progress(rows: usize) -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} rows, {msg}");
+    let bar = ProgressBar::new(rows.try_into().unwrap_or(u64::MAX));
+    bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar
+}

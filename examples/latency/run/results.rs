@@ -1,0 +1,176 @@
+//! What came of all rows: the figures, and what no host excuses.
+
+use serde::Serialize;
+
+use super::measured::Measured;
+use super::rights::Placement;
+use super::rows::{Case, Expected};
+use super::stage::HOG_WORKS;
+
+/// A row that was played.
+#[derive(Clone, Debug)]
+pub(crate) struct Played {
+    pub(crate) case: Case,
+    pub(crate) who: &'static str,
+    pub(crate) expected: Expected,
+    pub(crate) target_us: Option<u32>,
+    pub(crate) placement: Placement,
+    pub(crate) measured: Measured,
+}
+
+impl Played {
+    /// How figures and complaints call it.
+    pub(crate) fn name(&self) -> String {
+        format!("{}, {}, {}", self.case.name(), self.placement.name(), self.who)
+    }
+
+    /// Whether it never came to what it waited for.
+    pub(crate) fn never(&self) -> bool {
+        self.measured.gave_up > 0 && self.measured.gave_up == self.measured.rounds()
+    }
+
+    /// Whether it is known if the holder was inside.
+    pub(crate) fn tells_caught(&self) -> bool {
+        !matches!(self.case, Case::AnyInstant | Case::WakeUp)
+    }
+
+    /// Whether there is a way to be late after quiescence.
+    pub(crate) fn tells_late(&self) -> bool {
+        matches!(self.case, Case::Command | Case::AnyInstant | Case::HandOver)
+    }
+
+    fn figure(&self) -> Figure {
+        let p99 = self.measured.quantile_us(0.99).filter(|_| !self.never());
+        let target = self.target_us.map(f64::from);
+        let met = p99.zip(target).map(|(p99, target)| p99 <= target);
+        Figure { name: format!("{}, p99", self.name()), value: p99, unit: "us", target, met }
+    }
+
+    /// What is wrong with it, whatever the host is like.
+    pub(crate) fn complaint(&self) -> Option<String> {
+        let Measured { caught, late, .. } = self.measured;
+        let rounds = self.measured.rounds();
+        let one_cpu = self.placement.is_one_cpu();
+        let what = match self.expected {
+            Expected::Late if late == 0 => {
+                "no command came after its revocation: this control must fail, so these rows show nothing"
+                    .into()
+            }
+            Expected::Ours(_) | Expected::Peer if late > 0 => {
+                format!("{late} commands came after quiescence")
+            }
+            Expected::NeverOnOneCpu if one_cpu && !self.never() => {
+                "a thread that spins got past one that cannot run: this control must fail".into()
+            }
+            _ if self.tells_caught() && caught < rounds.div_ceil(2) => {
+                format!("the holder was inside in only {caught} of {rounds} rounds")
+            }
+            _ => return None,
+        };
+        Some(format!("{}: {what}", self.name()))
+    }
+}
+
+/// One number of a row.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(crate) struct Figure {
+    name: String,
+    value: Option<f64>,
+    unit: &'static str,
+    target: Option<f64>,
+    met: Option<bool>,
+}
+
+/// All numbers, for other programs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub(crate) struct Fragment {
+    name: &'static str,
+    figures: Vec<Figure>,
+    peers: Vec<Figure>,
+    skipped: Vec<String>,
+}
+
+impl Fragment {
+    pub(crate) fn of(played: &[Played], skipped: &[String]) -> Self {
+        let ours = |row: &&Played| matches!(row.expected, Expected::Ours(_));
+        let mut figures: Vec<_> = played.iter().filter(ours).map(Played::figure).collect();
+        // Those with a target first.
+        figures.sort_by_key(|figure| figure.target.is_none());
+        let peers = played.iter().filter(|row| !ours(row)).map(Played::figure).collect();
+        Self { name: "latency", figures, peers, skipped: skipped.to_vec() }
+    }
+}
+
+/// The sentences under the tables.
+pub(crate) fn remarks(played: &[Played]) -> Vec<String> {
+    let mut remarks = vec![format!(
+        "The hog works for {} ms, or until the measurement is over. In flight nothing says that it ends.",
+        HOG_WORKS.as_millis()
+    )];
+    let never = played.iter().filter(|row| row.never());
+    remarks.extend(never.map(|row| {
+        let after = row.measured.max_us() / 1e3;
+        format!("{}: who waited gave up after {after:.0} ms, each time.", row.name())
+    }));
+    remarks.extend(played.iter().filter(|row| row.measured.late > 0).map(|row| {
+        let rounds = row.measured.rounds();
+        format!("{}: wrong in {} of {rounds} rounds.", row.name(), row.measured.late)
+    }));
+    remarks
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+    use crate::run::stage::Answer;
+
+    fn played(expected: Expected, late: u64, caught: bool, answer: Answer) -> Played {
+        let mut measured = Measured::new().expect("the bounds are in order");
+        (0..100).for_each(|_| measured.add(Duration::from_micros(70), caught, answer));
+        measured.late = late;
+        let placement = Placement { holder_cpu: 0, revoker_cpu: 0 };
+        let (case, target_us) = (Case::Command, Some(60));
+        Played { case, who: "x", expected, target_us, placement, measured }
+    }
+
+    #[test]
+    fn a_command_after_quiescence_is_complained_of() {
+        for expected in [Expected::Ours(None), Expected::Peer] {
+            assert!(played(expected, 0, true, Answer::Done).complaint().is_none());
+            let complaint = played(expected, 1, true, Answer::Done).complaint();
+            assert!(complaint.is_some_and(|words| words.contains("after quiescence")));
+        }
+    }
+
+    #[test]
+    fn a_control_that_does_not_fail_is_complained_of() {
+        assert!(played(Expected::Late, 0, true, Answer::Done).complaint().is_some());
+        assert!(played(Expected::Late, 9, true, Answer::Done).complaint().is_none());
+        let spun = |answer| played(Expected::NeverOnOneCpu, 0, true, answer).complaint();
+        assert!(spun(Answer::Done).is_some());
+        assert!(spun(Answer::GaveUp).is_none());
+    }
+
+    #[test]
+    fn a_holder_that_was_not_caught_inside_is_complained_of() {
+        assert!(played(Expected::Peer, 0, false, Answer::Done).complaint().is_some());
+    }
+
+    #[test]
+    fn a_target_is_met_or_missed_and_never_a_complaint() {
+        let row = played(Expected::Ours(Some(60)), 0, true, Answer::Done);
+        assert_eq!((row.figure().met, row.complaint()), (Some(false), None));
+        let row = Played { target_us: Some(80), ..row };
+        assert_eq!(row.figure().met, Some(true));
+        let row = Played { target_us: None, ..row };
+        assert_eq!(row.figure().met, None);
+    }
+
+    #[test]
+    fn who_gave_up_has_no_time() {
+        let row = played(Expected::NeverOnOneCpu, 0, true, Answer::GaveUp);
+        assert_eq!(row.figure().value, None);
+    }
+}
