@@ -30,6 +30,7 @@ use results::{Fragment, Played};
 use rights::{Placement, Rights};
 use rows::{Case, Expected, Row};
 use stage::Limits;
+use wakeup::By;
 
 /// Why something did not come to its end.
 pub(crate) type Failure = Box<dyn Error + Send + Sync>;
@@ -40,9 +41,11 @@ pub(crate) type Outcome<T> = Result<T, Failure>;
 /// Measures how long revocations, hand-overs and valid commands wait for a
 /// thread that was pre-empted, behind our gates and behind plain locks.
 #[derive(Parser)]
-#[command(after_help = "Exit code: 0; 1 if a command came after quiescence, if a control that must fail \
+#[command(
+    after_help = "Exit code: 0; 1 if a command came after quiescence, if a control that must fail \
                         did not, or if a row could not be measured; with CI=true also if a row was skipped \
-                        because the host does not permit it. No time is judged.")]
+                        because the host does not permit it. No time is judged."
+)]
 struct Options {
     /// How many rounds a row has at most.
     #[arg(long, default_value_t = 4_000, value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
@@ -60,9 +63,10 @@ struct Options {
     /// Write the histograms as a picture.
     #[arg(long, value_name = "FILE")]
     svg: Option<PathBuf>,
-    /// Where the figures go, as JSON.
-    #[arg(long, value_name = "FILE", default_value = "target/bench/latency.json")]
-    json: PathBuf,
+    /// Where the figures go, as JSON. By default bench/latency.json in the
+    /// folder that Cargo builds in.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
 }
 
 impl Options {
@@ -71,6 +75,11 @@ impl Options {
             return Limits { rounds: 200, time: Duration::from_millis(120) };
         }
         Limits { rounds: self.rounds, time: Duration::from_millis(self.row_ms) }
+    }
+
+    fn json(&self) -> PathBuf {
+        let folder = || std::env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
+        self.json.clone().unwrap_or_else(|| Path::new(&folder()).join("bench/latency.json"))
     }
 }
 
@@ -111,44 +120,45 @@ struct Run {
 impl Run {
     fn play_all(&mut self, rights: &Rights, limits: Limits) {
         let rows = rows::all();
-        let Some(&alone) = rights.placements.first() else {
+        if rights.placements.is_empty() {
             self.skipped.push(format!("all {} rows, on one CPU and on two", rows.len()));
             return;
-        };
+        }
         if rights.placements.len() < 2 {
             self.skipped.push(format!("{} rows on two CPUs", rows.len()));
         }
         let progress = progress(rows.len() * rights.placements.len());
-        let mut host = [WakeUps::of(false), WakeUps::of(true)];
+        let mut host = WakeUps::of(&rights.placements);
         for row in &rows {
             for placement in &rights.placements {
                 progress.set_message(format!("{}, {}", row.case.name(), row.who));
                 self.play(row, *placement, limits);
-                host.iter_mut().for_each(|wake_ups| wake_ups.measure(alone));
+                host.iter_mut().for_each(WakeUps::measure);
                 progress.inc(1);
             }
         }
         progress.finish_and_clear();
-        for WakeUps { who, measured, .. } in host {
-            match measured {
-                Ok(measured) => self.played.push(Played {
-                    case: Case::WakeUp,
-                    who,
-                    expected: Expected::Host,
-                    target_us: None,
-                    placement: alone,
-                    measured,
-                }),
-                Err(failure) => self.failed.push(format!("wake-up, {who}: {failure}")),
-            }
+        for WakeUps { by, placement, measured } in host {
+            self.keep(Case::WakeUp, by.name(), Expected::Host, None, placement, measured);
         }
     }
 
     fn play(&mut self, row: &Row, placement: Placement, limits: Limits) {
-        let Row { case, who, expected, .. } = *row;
-        match row.play(placement, limits) {
+        let (target_us, measured) = (row.target_us(placement), row.play(placement, limits));
+        self.keep(row.case, row.who, row.expected, target_us, placement, measured);
+    }
+
+    fn keep(
+        &mut self,
+        case: Case,
+        who: &'static str,
+        expected: Expected,
+        target_us: Option<u32>,
+        placement: Placement,
+        measured: Outcome<Measured>,
+    ) {
+        match measured {
             Ok(measured) => {
-                let target_us = row.target_us(placement);
                 self.played.push(Played { case, who, expected, target_us, placement, measured });
             }
             Err(failure) => {
@@ -171,7 +181,7 @@ impl Run {
 
     fn write(&self, options: &Options) -> Outcome<()> {
         let fragment = Fragment::of(&self.played, &self.skipped);
-        write(&options.json, &serde_json::to_string_pretty(&fragment)?)?;
+        write(&options.json(), &serde_json::to_string_pretty(&fragment)?)?;
         match &options.svg {
             Some(file) => write(file, &picture::draw(&self.played)),
             None => Ok(()),
@@ -188,20 +198,25 @@ impl Run {
 
 /// The host's own wake-ups, some after each row.
 struct WakeUps {
-    who: &'static str,
-    busy: bool,
+    by: By,
+    placement: Placement,
     measured: Outcome<Measured>,
 }
 
 impl WakeUps {
-    fn of(busy: bool) -> Self {
-        let who = if busy { "the CPU is busy with the hog" } else { "the CPU is idle" };
-        Self { who, busy, measured: Measured::new() }
+    fn of(placements: &[Placement]) -> Vec<Self> {
+        let on = |placement: &Placement| match placement.is_one_cpu() {
+            true => vec![(By::Timer, *placement), (By::TimerWhenBusy, *placement)],
+            false => vec![(By::OtherCpu, *placement)],
+        };
+        let measured = Measured::new;
+        let of = |(by, placement)| Self { by, placement, measured: measured() };
+        placements.iter().flat_map(on).map(of).collect()
     }
 
-    fn measure(&mut self, placement: Placement) {
+    fn measure(&mut self) {
         let Ok(measured) = &mut self.measured else { return };
-        if let Err(failure) = wakeup::measure(measured, placement.holder_cpu, self.busy) {
+        if let Err(failure) = wakeup::measure(measured, self.by, self.placement) {
             self.measured = Err(failure);
         }
     }

@@ -25,8 +25,7 @@ type Pass<'b, 'g, S> = faregate::tickets::Ticket<'b, Driver, Ports<S>, Agents<'g
 pub(crate) fn by_requester<S: Strategy>(stage: &Arc<Stage>, limits: Limits) -> Outcome<Measured> {
     let clock = MonotonicClock::new();
     let mut gate = Gate::<_, Ports<S>>::new(Driver(Arc::clone(stage)), clock, NoLane);
-    let mut broker: Box<Agents<'_, S>> =
-        Box::new(agents::Broker::new(clock, NoLane, NoNotify));
+    let mut broker: Box<Agents<'_, S>> = Box::new(agents::Broker::new(clock, NoLane, NoNotify));
     let agent = broker.agent(Policy::exclusive())?;
     let device = broker.register(agent, gate.key())?;
     let science = broker.request(Priority::SCIENCE, &device)?;

@@ -2,7 +2,7 @@
 
 use std::convert::Infallible;
 use std::sync::Arc;
-use std::sync::atomic::Ordering::SeqCst;
+use std::sync::atomic::{AtomicU32, Ordering::SeqCst};
 
 use faregate::prelude::{Declaration, Device, Duration, Effect, Profile};
 
@@ -11,6 +11,10 @@ use super::stage::Stage;
 /// Longer than any hog works: how long a command takes is what is measured
 /// here, and not the driver's fault.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(4);
+
+/// The device of commands that are one store. Rows are played one after the
+/// other, so that each has it alone.
+pub(crate) static REGISTER: AtomicU32 = AtomicU32::new(0);
 
 /// A command.
 #[derive(Clone, Copy, Debug)]
@@ -41,7 +45,7 @@ impl Device for Driver {
 
     fn issue(&mut self, order: Order) -> Result<(), Infallible> {
         match order {
-            Order::Store(number) => self.0.register().store(number, SeqCst),
+            Order::Store(number) => REGISTER.store(number, SeqCst),
             Order::BePreempted => self.0.command_inside(),
         }
         Ok(())

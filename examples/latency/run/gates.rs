@@ -19,10 +19,7 @@ type Ports<S> = (S, MonotonicClock, NoLane);
 type Pass<'g, S> = Ticket<'g, Driver, Ports<S>, Nobody>;
 
 /// From the revocation until quiescence, while the holder is inside a command.
-pub(crate) fn inside_command<S: Strategy>(
-    stage: &Arc<Stage>,
-    limits: Limits,
-) -> Outcome<Measured> {
+pub(crate) fn inside_command<S: Strategy>(stage: &Arc<Stage>, limits: Limits) -> Outcome<Measured> {
     with_gate::<S>(stage, |desk, ticket, _| {
         let command = move || {
             // Where the gate has a lane for its tenant, this opens it.

@@ -9,8 +9,9 @@ use std::time::{Duration, Instant};
 use priority_inheriting_lock::PriorityInheritingLock;
 
 use super::Outcome;
+use super::device::REGISTER;
 use super::measured::Measured;
-use super::stage::{Answer, Cue, Limits, Revoker, Stage};
+use super::stage::{Answer, Cue, Limits, Revoker, Stage, work};
 
 /// How long a spinning thread spins before it gives up. By then the hog would
 /// have ended.
@@ -113,7 +114,7 @@ pub(crate) fn inside_check<L: Lock>(stage: &Arc<Stage>, limits: Limits) -> Outco
         });
         if refused == Some(true) { Ok(()) } else { Err("a revoked command was issued".into()) }
     };
-    stage.play(Cue::Inside, limits, check, Overtake { guarded: &guarded, stage })
+    stage.play(Cue::Inside, limits, check, Overtake(&guarded))
 }
 
 fn issued(issued: Option<()>) -> Outcome<()> {
@@ -134,10 +135,7 @@ impl<L: Lock> Revoker for Revoke<'_, L> {
     }
 }
 
-struct Overtake<'a, L> {
-    guarded: &'a Guarded<L>,
-    stage: &'a Stage,
-}
+struct Overtake<'a, L>(&'a Guarded<L>);
 
 impl<L: Lock> Revoker for Overtake<'_, L> {
     fn prepare(&mut self) -> Outcome<()> {
@@ -145,8 +143,8 @@ impl<L: Lock> Revoker for Overtake<'_, L> {
     }
 
     fn measured(&mut self) -> Outcome<Answer> {
-        let command = || self.stage.register().store(2, SeqCst);
-        Ok(self.guarded.lock.with(command).map_or(Answer::GaveUp, |()| Answer::Done))
+        let command = || REGISTER.store(2, SeqCst);
+        Ok(self.0.lock.with(command).map_or(Answer::GaveUp, |()| Answer::Done))
     }
 }
 
@@ -156,6 +154,22 @@ pub(crate) fn bare_flag(stage: &Arc<Stage>, limits: Limits) -> Outcome<Measured>
     let valid = AtomicBool::new(false);
     let command = || issued(valid.load(SeqCst).then(|| stage.command_inside()));
     stage.play(Cue::Inside, limits, command, Clear(&valid))
+}
+
+/// The same at any instant of a holder that commands all the time. Each command
+/// works for a microsecond before its store.
+pub(crate) fn bare_flag_at_any_instant(stage: &Arc<Stage>, limits: Limits) -> Outcome<Measured> {
+    let valid = AtomicBool::new(false);
+    let mut number = 0_u32;
+    let commands = || {
+        while valid.load(SeqCst) && !stage.is_over() {
+            work(Duration::from_micros(1), || false);
+            number = number.wrapping_add(1);
+            REGISTER.store(number, SeqCst);
+        }
+        Ok(())
+    };
+    stage.play(Cue::AnyInstant, limits, commands, Clear(&valid))
 }
 
 struct Clear<'a>(&'a AtomicBool);

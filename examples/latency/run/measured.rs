@@ -13,7 +13,8 @@ const LONGEST_NS: u64 = 60_000_000_000;
 /// All rounds of one row.
 #[derive(Clone, Debug)]
 pub(crate) struct Measured {
-    /// Nanoseconds.
+    /// Nanoseconds. A round in which the holder was not caught inside has
+    /// none: a host that kept the revoker from running let the holder go.
     times: Histogram<u64>,
     rounds: u64,
     /// In so many rounds the holder was inside when time began to be taken.
@@ -35,21 +36,28 @@ impl Measured {
     }
 
     pub(crate) fn add(&mut self, took: Duration, caught: bool, answer: Answer) {
-        self.time(took);
+        self.rounds += 1;
+        if caught {
+            self.record(took);
+        }
         self.caught += u64::from(caught);
         self.gave_up += u64::from(answer == Answer::GaveUp);
     }
 
-    /// A round of which only the time is known.
+    /// A round in which nobody is to be caught.
     pub(crate) fn time(&mut self, took: Duration) {
         self.rounds += 1;
+        self.record(took);
+    }
+
+    fn record(&mut self, took: Duration) {
         self.times.saturating_record(u64::try_from(took.as_nanos()).unwrap_or(LONGEST_NS));
     }
 
     /// The time that this part of the rounds did not exceed; nothing where
     /// there are too few rounds to tell it from the longest.
     pub(crate) fn quantile_us(&self, part: f64) -> Option<f64> {
-        let beyond = (1.0 - part) * self.rounds as f64;
+        let beyond = (1.0 - part) * self.times.len() as f64;
         // 0.01 * 100 is a little less than one.
         (beyond > 0.999).then(|| us(self.times.value_at_quantile(part)))
     }
@@ -68,7 +76,7 @@ impl Measured {
             .filter(|value| (from..to).contains(&value.value_iterated_to()))
             .map(|value| value.count_at_value())
             .sum();
-        within as f64 / (self.rounds as f64).max(1.0)
+        within as f64 / (self.times.len() as f64).max(1.0)
     }
 }
 
@@ -105,6 +113,14 @@ mod tests {
         assert!(of(1..=100).quantile_us(0.99).is_some());
         assert!(of(1..=100).quantile_us(0.999).is_none());
         assert!(of([]).quantile_us(0.5).is_none());
+    }
+
+    #[test]
+    fn a_round_in_which_the_holder_had_left_has_no_time() {
+        let mut measured = of(1..=9);
+        measured.add(Duration::from_secs(1), false, Answer::Done);
+        assert_eq!((measured.rounds(), measured.caught), (10, 0));
+        assert!(near(Some(measured.max_us()), 9.0));
     }
 
     #[test]

@@ -103,7 +103,8 @@ fn draw_row(row: &Played, y: f64) -> Group {
         return group.add(text(RIGHT, y, "never").set("fill", WRONG).set("text-anchor", "end"));
     }
     let group = bars(row).into_iter().fold(group, |group, (from, to, tall)| {
-        let bar = Rectangle::new().set("x", from).set("width", tenth(to - from)).set("fill", colour);
+        let bar =
+            Rectangle::new().set("x", from).set("width", tenth(to - from)).set("fill", colour);
         group.add(bar.set("y", tenth(y - tall)).set("height", tall))
     });
     let group = match row.measured.quantile_us(0.99) {

@@ -1,6 +1,6 @@
 //! What is printed.
 
-use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
+use comfy_table::{CellAlignment, ContentArrangement, LineStyle, Table, presets};
 
 use super::results::Played;
 use super::rows::Case;
@@ -13,11 +13,19 @@ pub(crate) fn table(case: Case, played: &[Played]) -> Option<String> {
         return None;
     }
     let mut table = Table::new();
-    table.load_style(presets::UTF8_HORIZONTAL_ONLY);
+    table.load_style(presets::NOTHING.header_separator(LineStyle::none().fill('-').junction('-')));
     table.set_content_arrangement(ContentArrangement::Disabled);
     table.set_header([
-        "", "CPUs", "rounds", "caught\ninside", "p50\nus", "p99\nus", "p99.9\nus", "max\nus",
-        "target\np99", "after\nquiescence",
+        "",
+        "CPUs",
+        "rounds",
+        "caught\ninside",
+        "p50\nus",
+        "p99\nus",
+        "p99.9\nus",
+        "max\nus",
+        "target\np99",
+        "after\nquiescence",
     ]);
     for row in rows {
         table.add_row(cells(row));
@@ -33,6 +41,8 @@ fn cells(row: &Played) -> [String; 10] {
     let none = || "-".to_owned();
     let time = |us: Option<f64>| match us {
         _ if row.never() => "never".into(),
+        // Nanoseconds, as long as they mean something.
+        Some(us) if us < 1.0 => format!("{us:.3}"),
         Some(us) => format!("{us:.1}"),
         None => none(),
     };

@@ -39,11 +39,21 @@ impl Played {
         matches!(self.case, Case::Command | Case::AnyInstant | Case::HandOver)
     }
 
-    fn figure(&self) -> Figure {
-        let p99 = self.measured.quantile_us(0.99).filter(|_| !self.never());
+    /// Its 99th percentile; nothing where it never came to its end, or was
+    /// played too seldom to tell.
+    fn figure(&self) -> Option<Figure> {
+        let value = self.measured.quantile_us(0.99).filter(|_| !self.never())?;
         let target = self.target_us.map(f64::from);
-        let met = p99.zip(target).map(|(p99, target)| p99 <= target);
-        Figure { name: format!("{}, p99", self.name()), value: p99, unit: "us", target, met }
+        let (row, met) = (target.map(|_| TARGET_ROW), target.map(|target| value <= target));
+        Some(Figure { row, name: format!("{}, p99", self.name()), value, unit: "us", target, met })
+    }
+
+    /// Where commands came after quiescence, in what part of the rounds.
+    fn wrong(&self) -> Option<Figure> {
+        let wrong = 100.0 * self.measured.late as f64 / (self.measured.rounds() as f64).max(1.0);
+        let name = format!("{}, rounds with a command after quiescence", self.name());
+        let context = Figure { row: None, name, value: wrong, unit: "%", target: None, met: None };
+        (self.measured.late > 0).then_some(context)
     }
 
     /// What is wrong with it, whatever the host is like.
@@ -71,11 +81,15 @@ impl Played {
     }
 }
 
-/// One number of a row.
+/// Which of the project's targets this program shows, where it has one.
+const TARGET_ROW: u8 = 9;
+
+/// One number of a row. Those without a target are context.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(crate) struct Figure {
+    row: Option<u8>,
     name: String,
-    value: Option<f64>,
+    value: f64,
     unit: &'static str,
     target: Option<f64>,
     met: Option<bool>,
@@ -86,18 +100,19 @@ pub(crate) struct Figure {
 pub(crate) struct Fragment {
     name: &'static str,
     figures: Vec<Figure>,
-    peers: Vec<Figure>,
+    /// Rows that never came to their end.
+    never: Vec<String>,
     skipped: Vec<String>,
 }
 
 impl Fragment {
     pub(crate) fn of(played: &[Played], skipped: &[String]) -> Self {
-        let ours = |row: &&Played| matches!(row.expected, Expected::Ours(_));
-        let mut figures: Vec<_> = played.iter().filter(ours).map(Played::figure).collect();
+        let figures = played.iter().flat_map(|row| row.figure().into_iter().chain(row.wrong()));
+        let mut figures: Vec<_> = figures.collect();
         // Those with a target first.
         figures.sort_by_key(|figure| figure.target.is_none());
-        let peers = played.iter().filter(|row| !ours(row)).map(Played::figure).collect();
-        Self { name: "latency", figures, peers, skipped: skipped.to_vec() }
+        let never = played.iter().filter(|row| row.never()).map(Played::name).collect();
+        Self { name: "latency", figures, never, skipped: skipped.to_vec() }
     }
 }
 
@@ -160,17 +175,27 @@ mod tests {
 
     #[test]
     fn a_target_is_met_or_missed_and_never_a_complaint() {
+        let met = |row: &Played| row.figure().and_then(|figure| figure.met);
         let row = played(Expected::Ours(Some(60)), 0, true, Answer::Done);
-        assert_eq!((row.figure().met, row.complaint()), (Some(false), None));
+        assert_eq!((met(&row), row.complaint()), (Some(false), None));
         let row = Played { target_us: Some(80), ..row };
-        assert_eq!(row.figure().met, Some(true));
+        assert_eq!(met(&row), Some(true));
         let row = Played { target_us: None, ..row };
-        assert_eq!(row.figure().met, None);
+        assert!(row.figure().is_some());
+        assert_eq!(met(&row), None);
     }
 
     #[test]
-    fn who_gave_up_has_no_time() {
+    fn who_gave_up_has_no_time_and_is_named() {
         let row = played(Expected::NeverOnOneCpu, 0, true, Answer::GaveUp);
-        assert_eq!(row.figure().value, None);
+        let fragment = Fragment::of(&[row.clone()], &[]);
+        assert_eq!((fragment.figures.len(), fragment.never), (0, vec![row.name()]));
+    }
+
+    #[test]
+    fn what_is_wrong_is_a_figure() {
+        let row = played(Expected::Late, 25, true, Answer::Done);
+        let wrong = row.wrong().map(|figure| (figure.value, figure.unit));
+        assert_eq!(wrong, Some((25.0, "%")));
     }
 }

@@ -86,8 +86,7 @@ impl Rights {
 
 /// Gives the calling thread this CPU and this `SCHED_FIFO` priority.
 pub(crate) fn take(cpu: usize, priority: u8) -> Outcome<()> {
-    let report =
-        RealTime::request().prefaulted_stack(64 * 1024).cpu(cpu).fifo(priority).apply();
+    let report = RealTime::request().prefaulted_stack(64 * 1024).cpu(cpu).fifo(priority).apply();
     let refused: Vec<_> = report.refusals().map(ToString::to_string).collect();
     if refused.is_empty() { Ok(()) } else { Err(refused.join("; ").into()) }
 }

@@ -55,7 +55,7 @@ impl Case {
             Self::HandOver => {
                 "From the emergency's request until its first command; the victim is pre-empted inside its own"
             }
-            Self::WakeUp => "Late by, waking from a sleep to an absolute time; nobody holds anything",
+            Self::WakeUp => "The host alone: from when a thread should wake until it runs",
         }
     }
 }
@@ -130,6 +130,8 @@ pub(crate) fn all() -> Vec<Row> {
     rows.extend(peers::<parking_lot::Mutex<()>>(PARKING_LOT, Expected::Peer));
     rows.extend(peers::<Spinning>(SPINNING, Expected::NeverOnOneCpu));
     rows.push(row(Case::Command, "bare flag", Expected::Late, locks::bare_flag));
+    let bare_flag = locks::bare_flag_at_any_instant;
+    rows.push(row(Case::AnyInstant, "bare flag, 1 us commands", Expected::Late, bare_flag));
     rows.sort_by_key(|row| Case::ALL.iter().position(|case| *case == row.case));
     rows
 }

@@ -1,12 +1,13 @@
 //! The stage: a holder, a hog and a revoker, and the rounds that they play.
 
-use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering::SeqCst};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::SeqCst};
 use std::sync::{Arc, Barrier, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use super::Outcome;
 use super::bell::Bell;
+use super::device::REGISTER;
 use super::measured::Measured;
 use super::rights::{self, HOG, HOLDER, Placement, REVOKER};
 
@@ -80,8 +81,6 @@ pub(crate) struct Stage {
     quiescent: AtomicBool,
     /// Commands that reached the device after that.
     late: AtomicU64,
-    /// The device of commands that are one store.
-    register: AtomicU32,
     failure: Mutex<Option<String>>,
 }
 
@@ -99,17 +98,12 @@ impl Stage {
             inside: AtomicBool::new(false),
             quiescent: AtomicBool::new(false),
             late: AtomicU64::new(0),
-            register: AtomicU32::new(0),
             failure: Mutex::new(None),
         }))
     }
 
     pub(crate) fn placement(&self) -> Placement {
         self.placement
-    }
-
-    pub(crate) fn register(&self) -> &AtomicU32 {
-        &self.register
     }
 
     /// The round's measurement is over.
@@ -137,7 +131,11 @@ impl Stage {
     /// the middle of the call.
     fn be_preempted(&self) {
         self.inside.store(true, SeqCst);
-        if self.placement.is_one_cpu() { self.told.ring() } else { self.hog.ring() }
+        if self.placement.is_one_cpu() {
+            self.told.ring()
+        } else {
+            self.hog.ring()
+        }
         work(STILL_TO_DO, || false);
     }
 
@@ -266,14 +264,17 @@ impl Stage {
         let start = Instant::now();
         let answer = revoker.measured()?;
         let took = start.elapsed();
-        let register = self.register.load(SeqCst);
+        let register = REGISTER.load(SeqCst);
         self.quiescent.store(answer == Answer::Done, SeqCst);
         self.over.store(true, SeqCst);
         self.done.wait()?;
         self.failure()?;
-        let changed = register != self.register.load(SeqCst);
+        let changed = register != REGISTER.load(SeqCst);
         self.late.fetch_add(u64::from(changed && answer == Answer::Done), SeqCst);
-        measured.add(took, caught, answer);
+        match cue {
+            Cue::AnyInstant => measured.time(took),
+            Cue::Inside | Cue::InsideAfterStall => measured.add(took, caught, answer),
+        }
         Ok(())
     }
 

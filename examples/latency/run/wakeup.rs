@@ -1,7 +1,8 @@
-//! The wake-up latency of the host, as `cyclictest` measures it: how late a
-//! thread of the highest priority here wakes from a sleep to an absolute time.
+//! The wake-up latency of the host: how late a thread of the highest priority
+//! here wakes from a sleep to an absolute time, as `cyclictest` measures it, and
+//! how long after another CPU rang for it.
 
-use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::SeqCst};
 use std::thread;
 use std::time::Duration;
 
@@ -9,10 +10,11 @@ use rustix::io::Errno;
 use rustix::thread::clock_nanosleep_absolute;
 use rustix::time::{ClockId, Timespec, clock_gettime};
 
-use super::Outcome;
+use super::bell::Bell;
 use super::measured::Measured;
-use super::rights::{self, HOG, REVOKER};
+use super::rights::{self, HOG, HOLDER, Placement, REVOKER};
 use super::stage::work;
+use super::{Failure, Outcome};
 
 /// From one wake-up to the next.
 const INTERVAL: Duration = Duration::from_micros(500);
@@ -20,9 +22,37 @@ const INTERVAL: Duration = Duration::from_micros(500);
 /// from the hog.
 const CYCLES: u32 = 50;
 
-/// Adds the wake-ups of one go on this CPU, which is idle otherwise, or kept
-/// busy by a less important thread.
-pub(crate) fn measure(measured: &mut Measured, cpu: usize, busy: bool) -> Outcome<()> {
+/// What wakes the thread.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum By {
+    /// The timer of its own CPU, which is idle.
+    Timer,
+    /// The same, while a less important thread keeps the CPU busy.
+    TimerWhenBusy,
+    /// A thread of the other CPU.
+    OtherCpu,
+}
+
+impl By {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Timer => "timer, idle CPU",
+            Self::TimerWhenBusy => "timer, hog on the CPU",
+            Self::OtherCpu => "rung by the other CPU",
+        }
+    }
+}
+
+/// Adds the wake-ups of one go.
+pub(crate) fn measure(measured: &mut Measured, by: By, placement: Placement) -> Outcome<()> {
+    match by {
+        By::Timer => by_timer(measured, placement.holder_cpu, false),
+        By::TimerWhenBusy => by_timer(measured, placement.holder_cpu, true),
+        By::OtherCpu => by_other_cpu(measured, placement),
+    }
+}
+
+fn by_timer(measured: &mut Measured, cpu: usize, busy: bool) -> Outcome<()> {
     let over = AtomicBool::new(!busy);
     thread::scope(|scope| {
         let hog = scope.spawn(|| {
@@ -37,6 +67,34 @@ pub(crate) fn measure(measured: &mut Measured, cpu: usize, busy: bool) -> Outcom
         });
         cycles.join().map_err(|_| "the wake-up loop panicked")??;
         hog.join().map_err(|_| "the hog panicked")?
+    })
+}
+
+fn by_other_cpu(measured: &mut Measured, placement: Placement) -> Outcome<()> {
+    let (bell, answer, rung_at) = (Bell::new()?, Bell::new()?, AtomicU64::new(0));
+    thread::scope(|scope| {
+        let woken = scope.spawn(|| {
+            rights::take(placement.revoker_cpu, REVOKER)?;
+            for _ in 0..CYCLES {
+                bell.wait()?;
+                let rung_at = Duration::from_nanos(rung_at.load(SeqCst));
+                measured.time(now().saturating_sub(rung_at));
+                answer.ring();
+            }
+            Ok::<_, Failure>(())
+        });
+        let ringer = scope.spawn(|| {
+            rights::take(placement.holder_cpu, HOLDER)?;
+            for _ in 0..CYCLES {
+                sleep(INTERVAL)?;
+                rung_at.store(now().as_nanos().try_into()?, SeqCst);
+                bell.ring();
+                answer.wait()?;
+            }
+            Ok::<_, Failure>(())
+        });
+        woken.join().map_err(|_| "the woken thread panicked")??;
+        ringer.join().map_err(|_| "the ringing thread panicked")?
     })
 }
 
