@@ -10,6 +10,7 @@ mod measured;
 mod picture;
 mod probe;
 mod report;
+mod restarts;
 mod results;
 mod rights;
 mod rows;
@@ -51,7 +52,7 @@ struct Options {
     #[arg(long, default_value_t = 4_000, value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
     rounds: u64,
     /// How long a row is played at most; the plain locks need 3 ms for a round.
-    #[arg(long, value_name = "MS", default_value_t = 700, value_parser = clap::value_parser!(u64).range(1..=3_600_000))]
+    #[arg(long, value_name = "MS", default_value_t = 500, value_parser = clap::value_parser!(u64).range(1..=3_600_000))]
     row_ms: u64,
     /// Fewer rounds: some seconds in all.
     #[arg(long, conflicts_with_all = ["rounds", "row_ms"])]
@@ -119,7 +120,9 @@ struct Run {
 
 impl Run {
     fn play_all(&mut self, rights: &Rights, limits: Limits) {
-        let rows = rows::all();
+        let (rows, skipped): (Vec<_>, Vec<_>) =
+            rows::all().into_iter().partition(|row| row.check().is_ok());
+        self.skipped.extend(skipped.iter().filter_map(|row| row.check().err()));
         if rights.placements.is_empty() {
             self.skipped.push(format!("all {} rows, on one CPU and on two", rows.len()));
             return;

@@ -4,27 +4,31 @@
 use std::sync::Arc;
 
 use faregate::agents::{self, Policy};
-use faregate::prelude::{Broker, Clock, Duration, Handle, Priority, Ticket};
+use faregate::prelude::{Broker, Clock, Duration, GateOptions, Handle, Priority, Ticket};
 use faregate::runtime::clock::MonotonicClock;
+use faregate::runtime::host::Supported;
 use faregate::tickets::gate::Gate;
-use faregate::tickets::lock::Strategy;
 use faregate::tickets::notify::NoNotify;
 use faregate::tickets::recorder::NoLane;
 
 use super::Outcome;
-use super::device::{Driver, Order, PATIENCE};
+use super::device::{Driver, Order, Patience};
+use super::gates::Behind;
 use super::measured::Measured;
 use super::rights::{self, SERVICE};
 use super::stage::{Answer, Cue, Limits, Revoker, Stage};
 
 type Ports<S> = (S, MonotonicClock, NoLane);
 type Agents<'g, S> = agents::Broker<'g, Ports<S>, NoNotify, 1, 4, 0>;
+/// How long an emergency waits at most.
+const PATIENCE: Duration = Patience::Long.duration();
+
 type Pass<'b, 'g, S> = faregate::tickets::Ticket<'b, Driver, Ports<S>, Agents<'g, S>>;
 
 /// Without other threads: the requester does what is due itself.
-pub(crate) fn by_requester<S: Strategy>(stage: &Arc<Stage>, limits: Limits) -> Outcome<Measured> {
+pub(crate) fn by_requester<S: Behind>(stage: &Arc<Stage>, limits: Limits) -> Outcome<Measured> {
     let clock = MonotonicClock::new();
-    let mut gate = Gate::<_, Ports<S>>::new(Driver(Arc::clone(stage)), clock, NoLane);
+    let mut gate = Gate::<_, Ports<S>>::new(driver(stage), clock, NoLane);
     let mut broker: Box<Agents<'_, S>> = Box::new(agents::Broker::new(clock, NoLane, NoNotify));
     let agent = broker.agent(Policy::exclusive())?;
     let device = broker.register(agent, gate.key())?;
@@ -37,13 +41,13 @@ pub(crate) fn by_requester<S: Strategy>(stage: &Arc<Stage>, limits: Limits) -> O
     stage.play(Cue::Inside, limits, command, emergency)
 }
 
-struct ByRequester<'b, 'g, S: Strategy> {
+struct ByRequester<'b, 'g, S: Behind> {
     broker: &'b Agents<'g, S>,
     device: agents::Handle<'g, Driver, Ports<S>>,
     ticket: Option<Pass<'b, 'g, S>>,
 }
 
-impl<S: Strategy> Revoker for ByRequester<'_, '_, S> {
+impl<S: Behind> Revoker for ByRequester<'_, '_, S> {
     fn prepare(&mut self) -> Outcome<()> {
         self.ticket = None;
         self.broker.service();
@@ -66,10 +70,10 @@ impl<S: Strategy> Revoker for ByRequester<'_, '_, S> {
 }
 
 /// As programs have it: with a service thread above all holders.
-pub(crate) fn with_service(stage: &Arc<Stage>, limits: Limits) -> Outcome<Measured> {
+pub(crate) fn with_service<S: Supported>(stage: &Arc<Stage>, limits: Limits) -> Outcome<Measured> {
     let mut builder = Broker::builder()?;
     let agent = builder.agent(Policy::exclusive())?;
-    let device = builder.gate(agent, "device", Driver(Arc::clone(stage)))?;
+    let device = builder.gate_behind::<S, _>(agent, "device", driver(stage), GateOptions::new())?;
     let cpu = stage.placement().revoker_cpu;
     let started = std::thread::spawn(move || {
         // The service thread inherits the CPU, and asks for its own priority.
@@ -89,13 +93,13 @@ pub(crate) fn with_service(stage: &Arc<Stage>, limits: Limits) -> Outcome<Measur
     measured
 }
 
-struct WithService<'b> {
+struct WithService<'b, S: Supported> {
     broker: &'b Broker,
-    device: Handle<Driver>,
-    ticket: Option<Ticket<Driver>>,
+    device: Handle<Driver, S>,
+    ticket: Option<Ticket<Driver, S>>,
 }
 
-impl Revoker for WithService<'_> {
+impl<S: Supported> Revoker for WithService<'_, S> {
     fn prepare(&mut self) -> Outcome<()> {
         self.ticket = None;
         self.broker.agents().service();
@@ -109,4 +113,8 @@ impl Revoker for WithService<'_> {
         self.ticket = Some(ticket);
         Ok(Answer::Done)
     }
+}
+
+fn driver(stage: &Arc<Stage>) -> Driver {
+    Driver { stage: Arc::clone(stage), patience: Patience::Long }
 }

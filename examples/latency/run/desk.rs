@@ -4,18 +4,20 @@
 use faregate::prelude::{Priority, TicketId, Validity, Why};
 use faregate::tickets::gate::{Admission, Blocked, Key};
 use faregate::tickets::id::GateId;
+use faregate::tickets::recorder::Unrecorded;
 use faregate::tickets::scope::Scope;
 use faregate::tickets::standing::{Stamp, Standing};
 use faregate::tickets::ticket::{Holder, Issuer, Seat};
 
 use super::Outcome;
-use super::device::PATIENCE;
+use super::device::Patience;
+use super::stage::Answer;
 
 /// Takes tickets back, and keeps no books.
 pub(crate) struct Nobody;
 
 impl Issuer for Nobody {
-    fn relinquish(&self, _: &Seat<'_>, _: u32, _: Holder) {}
+    fn relinquish(&self, _: &Seat<'_>, _: Unrecorded, _: Holder) {}
 }
 
 /// The seats of two tickets for one gate.
@@ -70,12 +72,23 @@ impl Seats {
 pub(crate) struct Desk<'g> {
     key: Key<'g>,
     seats: &'g Seats,
+    patience: Patience,
     tenure: usize,
 }
 
 impl<'g> Desk<'g> {
-    pub(crate) fn new(key: Key<'g>, seats: &'g Seats) -> Self {
-        Self { key, seats, tenure: 0 }
+    pub(crate) fn new(key: Key<'g>, seats: &'g Seats, patience: Patience) -> Self {
+        Self { key, seats, patience, tenure: 0 }
+    }
+
+    /// Begins a round: a gate that was given up is open again, and nobody's.
+    pub(crate) fn begin(&mut self) -> Outcome<()> {
+        self.key.reopen();
+        [Place::First, Place::Second].into_iter().for_each(|place| self.revoke(place));
+        match self.vacate()? {
+            Answer::Done => Ok(()),
+            Answer::GaveUp => Err("nobody is inside, and the gate does not open".into()),
+        }
     }
 
     /// Makes the ticket in this place the gate's tenant, and valid.
@@ -90,7 +103,8 @@ impl<'g> Desk<'g> {
             validity: Validity::always(),
             stamp: Some((standing, stamp)),
         };
-        self.tenure = self.key.admit(admission, PATIENCE).map_err(told)?;
+        let patience = self.patience.duration();
+        self.tenure = self.key.admit(admission, patience).map_err(told)?;
         Ok(())
     }
 
@@ -101,9 +115,15 @@ impl<'g> Desk<'g> {
     }
 
     /// Waits until no command is in progress.
-    pub(crate) fn vacate(&mut self) -> Outcome<()> {
-        self.tenure = self.key.vacate(self.tenure, PATIENCE).map_err(told)?.tenure;
-        Ok(())
+    pub(crate) fn vacate(&mut self) -> Outcome<Answer> {
+        match self.key.vacate(self.tenure, self.patience.duration()) {
+            Ok(vacated) => {
+                self.tenure = vacated.tenure;
+                Ok(Answer::Done)
+            }
+            Err(Blocked::Hung) => Ok(Answer::GaveUp),
+            Err(blocked) => Err(told(blocked).into()),
+        }
     }
 }
 

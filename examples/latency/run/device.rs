@@ -8,9 +8,33 @@ use faregate::prelude::{Declaration, Device, Duration, Effect, Profile};
 
 use super::stage::Stage;
 
-/// Longer than any hog works: how long a command takes is what is measured
-/// here, and not the driver's fault.
-pub(crate) const PATIENCE: Duration = Duration::from_secs(4);
+/// What commands are declared to take at most. By then the hog would have
+/// ended.
+const LONGEST: Duration = Duration::from_millis(5);
+
+/// How many times as long a command may take before it is the driver's fault,
+/// and who waits for it gives up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Patience {
+    /// Longer than hogs and hosts take: how long it is is what is measured.
+    Long,
+    /// For who waits without lending its priority, on one CPU for ever.
+    Short,
+}
+
+impl Patience {
+    const fn overrun_factor(self) -> u8 {
+        match self {
+            Self::Long => 200,
+            Self::Short => 1,
+        }
+    }
+
+    /// As long as that.
+    pub(crate) const fn duration(self) -> Duration {
+        LONGEST.saturating_mul(self.overrun_factor() as u64)
+    }
+}
 
 /// The device of commands that are one store. Rows are played one after the
 /// other, so that each has it alone.
@@ -21,12 +45,17 @@ pub(crate) static REGISTER: AtomicU32 = AtomicU32::new(0);
 pub(crate) enum Order {
     /// One store of this number.
     Store(u32),
+    /// The same in a way that no gate can do itself.
+    StoreInSteps(u32),
     /// The holder is pre-empted inside it.
     BePreempted,
 }
 
 /// The driver.
-pub(crate) struct Driver(pub(crate) Arc<Stage>);
+pub(crate) struct Driver {
+    pub(crate) stage: Arc<Stage>,
+    pub(crate) patience: Patience,
+}
 
 impl Device for Driver {
     type Command = Order;
@@ -35,23 +64,35 @@ impl Device for Driver {
 
     fn profile(&self) -> Profile {
         let mut profile = Profile::new();
-        profile.longest_command = PATIENCE;
+        profile.longest_command = LONGEST;
+        profile.overrun_factor = self.patience.overrun_factor();
         profile
     }
 
     fn declare(_: &Order) -> Declaration {
-        Declaration { code: 1, wcet: PATIENCE, effect: Effect::Unchanged }
+        Declaration { code: 1, wcet: LONGEST, effect: Effect::Unchanged }
     }
 
     fn issue(&mut self, order: Order) -> Result<(), Infallible> {
         match order {
-            Order::Store(number) => REGISTER.store(number, SeqCst),
-            Order::BePreempted => self.0.command_inside(),
+            Order::Store(number) | Order::StoreInSteps(number) => REGISTER.store(number, SeqCst),
+            Order::BePreempted => self.stage.command_inside(),
         }
         Ok(())
     }
 
     fn safe(&mut self) -> Result<(), Infallible> {
         Ok(())
+    }
+
+    fn register(&self) -> Option<&'static AtomicU32> {
+        Some(&REGISTER)
+    }
+
+    fn word(order: &Order) -> Option<(u32, ())> {
+        match order {
+            Order::Store(number) => Some((*number, ())),
+            Order::StoreInSteps(_) | Order::BePreempted => None,
+        }
     }
 }

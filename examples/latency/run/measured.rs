@@ -23,12 +23,14 @@ pub(crate) struct Measured {
     pub(crate) gave_up: u64,
     /// So many commands reached the device after quiescence.
     pub(crate) late: u64,
+    /// So many stores were called back, where that is counted.
+    pub(crate) restarts: Option<u64>,
 }
 
 impl Measured {
     pub(crate) fn new() -> Outcome<Self> {
         let times = Histogram::new_with_bounds(1, LONGEST_NS, 3)?;
-        Ok(Self { times, rounds: 0, caught: 0, gave_up: 0, late: 0 })
+        Ok(Self { times, rounds: 0, caught: 0, gave_up: 0, late: 0, restarts: None })
     }
 
     pub(crate) fn rounds(&self) -> u64 {
@@ -37,20 +39,20 @@ impl Measured {
 
     pub(crate) fn add(&mut self, took: Duration, caught: bool, answer: Answer) {
         self.rounds += 1;
-        if caught {
-            self.record(took);
-        }
         self.caught += u64::from(caught);
-        self.gave_up += u64::from(answer == Answer::GaveUp);
+        if caught {
+            self.record(took, answer);
+        }
     }
 
-    /// A round in which nobody is to be caught.
-    pub(crate) fn time(&mut self, took: Duration) {
+    /// A round in which it is not told whether somebody was caught.
+    pub(crate) fn time(&mut self, took: Duration, answer: Answer) {
         self.rounds += 1;
-        self.record(took);
+        self.record(took, answer);
     }
 
-    fn record(&mut self, took: Duration) {
+    fn record(&mut self, took: Duration, answer: Answer) {
+        self.gave_up += u64::from(answer == Answer::GaveUp);
         self.times.saturating_record(u64::try_from(took.as_nanos()).unwrap_or(LONGEST_NS));
     }
 
@@ -90,7 +92,7 @@ mod tests {
 
     fn of(us: impl IntoIterator<Item = u64>) -> Measured {
         let mut measured = Measured::new().expect("the bounds are in order");
-        us.into_iter().for_each(|us| measured.time(Duration::from_micros(us)));
+        us.into_iter().for_each(|us| measured.time(Duration::from_micros(us), Answer::Done));
         measured
     }
 

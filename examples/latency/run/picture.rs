@@ -13,7 +13,11 @@ const PEER: &str = "#8C959F";
 const WRONG: &str = "#C04F00";
 const HOST: &str = "#007A5A";
 const INK: &str = "#24292F";
+const GREY: &str = "#57606A";
 const RULE: &str = "#D0D7DE";
+
+const LEGEND: &str = "Heights: the root of the part of the rounds. Black line: 99th percentile. Dashed: its target. \
+                      Blue: gates of ours; grey: locks; red: cannot wait, or do not; green: the host alone.";
 
 const LEFT: f64 = 240.0;
 const RIGHT: f64 = 900.0;
@@ -44,7 +48,7 @@ pub(crate) fn draw(played: &[Played]) -> String {
         }
         y += ROW * 0.5;
     }
-    let height = y + 12.0;
+    let height = y + 24.0;
     let paper = Rectangle::new().set("width", WIDTH).set("height", height).set("fill", "white");
     let picture = Document::new()
         .set("viewBox", (0, 0, WIDTH, height))
@@ -58,7 +62,8 @@ pub(crate) fn draw(played: &[Played]) -> String {
         .add(Description::new().add(Words::new(describe(played))))
         .add(paper)
         .add(axis(height))
-        .add(rows);
+        .add(rows)
+        .add(text(8.0, height - 10.0, LEGEND).set("fill", GREY));
     format!("{picture}\n")
 }
 
@@ -86,15 +91,15 @@ fn axis(height: f64) -> Group {
     (AXIS.0..).zip(names).fold(Group::new(), |axis, (power, name)| {
         let at = x(10_f64.powi(power));
         let name = text(at, TOP - 10.0, name).set("text-anchor", "middle");
-        axis.add(line(at, (TOP - 4.0, height - 8.0), RULE)).add(name)
+        axis.add(line(at, (TOP - 4.0, height - 26.0), RULE)).add(name)
     })
 }
 
 fn draw_row(row: &Played, y: f64) -> Group {
     let colour = match row.expected {
-        Expected::Ours(_) => OURS,
+        Expected::Ours(_) | Expected::OursLendingNone => OURS,
         Expected::Peer => PEER,
-        Expected::NeverOnOneCpu | Expected::Late => WRONG,
+        Expected::Spinning | Expected::Late => WRONG,
         Expected::Host => HOST,
     };
     let name = format!("{}, {}", row.who, row.placement.name());
@@ -143,4 +148,45 @@ fn text(x: f64, y: f64, words: &str) -> Text {
 fn line(x: f64, y: (f64, f64), colour: &str) -> Line {
     let line = Line::new().set("x1", x).set("x2", x).set("y1", tenth(y.0)).set("y2", tenth(y.1));
     line.set("stroke", colour)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+    use crate::run::measured::Measured;
+    use crate::run::rights::Placement;
+    use crate::run::stage::Answer;
+
+    fn played(expected: Expected, answer: Answer, late: u64) -> Played {
+        let mut measured = Measured::new().expect("the bounds are in order");
+        (1..=100).for_each(|us| measured.add(Duration::from_micros(us), true, answer));
+        measured.late = late;
+        let placement = Placement { holder_cpu: 0, revoker_cpu: 0 };
+        let who = "Locked<parking_lot> gate";
+        Played { case: Case::Command, who, expected, target_us: None, placement, measured }
+    }
+
+    #[test]
+    fn the_bars_of_a_row_hold_all_its_rounds() {
+        let bars = bars(&played(Expected::Peer, Answer::Done, 0));
+        let parts: f64 = bars.iter().map(|(.., tall)| (tall / TALL).powi(2)).sum();
+        assert!((parts - 1.0).abs() < 0.02, "{parts} of the rounds in {bars:?}");
+    }
+
+    #[test]
+    fn what_cannot_wait_and_what_does_not_is_written_beside_it() {
+        let never = draw(&[played(Expected::Spinning, Answer::GaveUp, 0)]);
+        assert!(never.contains(">\nnever\n<"), "{never}");
+        let wrong = draw(&[played(Expected::Late, Answer::Done, 7)]);
+        assert!(wrong.contains("wrong in 7 of 100") && !wrong.contains(">\nnever\n<"));
+    }
+
+    #[test]
+    fn names_are_words_and_not_markup() {
+        let picture = draw(&[played(Expected::Peer, Answer::Done, 0)]);
+        assert!(picture.contains("Locked&lt;parking_lot&gt; gate, one CPU"));
+        assert!(!picture.contains("Locked<"));
+    }
 }

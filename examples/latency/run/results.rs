@@ -26,7 +26,9 @@ impl Played {
 
     /// Whether it never came to what it waited for.
     pub(crate) fn never(&self) -> bool {
-        self.measured.gave_up > 0 && self.measured.gave_up == self.measured.rounds()
+        self.tells_caught()
+            && self.measured.gave_up > 0
+            && self.measured.gave_up == self.measured.caught
     }
 
     /// Whether it is known if the holder was inside.
@@ -58,7 +60,7 @@ impl Played {
 
     /// What is wrong with it, whatever the host is like.
     pub(crate) fn complaint(&self) -> Option<String> {
-        let Measured { caught, late, .. } = self.measured;
+        let Measured { caught, late, gave_up, .. } = self.measured;
         let rounds = self.measured.rounds();
         let one_cpu = self.placement.is_one_cpu();
         let what = match self.expected {
@@ -66,10 +68,12 @@ impl Played {
                 "no command came after its revocation: this control must fail, so these rows show nothing"
                     .into()
             }
-            Expected::Ours(_) | Expected::Peer if late > 0 => {
-                format!("{late} commands came after quiescence")
+            Expected::Late => return None,
+            _ if late > 0 => format!("{late} commands came after quiescence"),
+            Expected::Ours(_) | Expected::Peer if gave_up > 0 => {
+                format!("in {gave_up} of {rounds} rounds who waited gave up")
             }
-            Expected::NeverOnOneCpu if one_cpu && !self.never() => {
+            Expected::Spinning if one_cpu && !self.never() => {
                 "a thread that spins got past one that cannot run: this control must fail".into()
             }
             _ if self.tells_caught() && caught < rounds.div_ceil(2) => {
@@ -122,14 +126,17 @@ pub(crate) fn remarks(played: &[Played]) -> Vec<String> {
         "The hog works for {} ms, or until the measurement is over. In flight nothing says that it ends.",
         HOG_WORKS.as_millis()
     )];
-    let never = played.iter().filter(|row| row.never());
-    remarks.extend(never.map(|row| {
-        let after = row.measured.max_us() / 1e3;
-        format!("{}: who waited gave up after {after:.0} ms, each time.", row.name())
+    remarks.extend(played.iter().filter(|row| row.measured.gave_up > 0).map(|row| {
+        let (gave_up, rounds) = (row.measured.gave_up, row.measured.rounds());
+        format!("{}: who waited gave up in {gave_up} of {rounds} rounds.", row.name())
     }));
     remarks.extend(played.iter().filter(|row| row.measured.late > 0).map(|row| {
         let rounds = row.measured.rounds();
         format!("{}: wrong in {} of {rounds} rounds.", row.name(), row.measured.late)
+    }));
+    remarks.extend(played.iter().filter_map(|row| {
+        let (restarts, rounds) = (row.measured.restarts?, row.measured.rounds());
+        Some(format!("{}: {restarts} stores were called back in {rounds} rounds.", row.name()))
     }));
     remarks
 }
@@ -163,7 +170,7 @@ mod tests {
     fn a_control_that_does_not_fail_is_complained_of() {
         assert!(played(Expected::Late, 0, true, Answer::Done).complaint().is_some());
         assert!(played(Expected::Late, 9, true, Answer::Done).complaint().is_none());
-        let spun = |answer| played(Expected::NeverOnOneCpu, 0, true, answer).complaint();
+        let spun = |answer| played(Expected::Spinning, 0, true, answer).complaint();
         assert!(spun(Answer::Done).is_some());
         assert!(spun(Answer::GaveUp).is_none());
     }
@@ -187,7 +194,7 @@ mod tests {
 
     #[test]
     fn who_gave_up_has_no_time_and_is_named() {
-        let row = played(Expected::NeverOnOneCpu, 0, true, Answer::GaveUp);
+        let row = played(Expected::Spinning, 0, true, Answer::GaveUp);
         let fragment = Fragment::of(&[row.clone()], &[]);
         assert_eq!((fragment.figures.len(), fragment.never), (0, vec![row.name()]));
     }

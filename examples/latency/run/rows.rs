@@ -1,19 +1,18 @@
 //! The rows: each case, behind each lock, in each placement.
 
-use std::sync::Arc;
-use std::sync::Mutex;
+use std::io;
+use std::sync::{Arc, Mutex};
 
-use faregate::runtime::host::HostStrategy;
-use faregate::tickets::lock::Locked;
+use faregate::runtime::host::{HostFenced, HostRestartable, HostStrategy, Supported};
 use priority_inheriting_lock::PriorityInheritingLock;
 
-use super::locks::{self, Spinning};
+use super::gates::ParkingLot;
+use super::locks::{self, Lock, Spinning};
 use super::measured::Measured;
+use super::restarts::{self, Counted};
 use super::rights::Placement;
 use super::stage::{Limits, Stage};
 use super::{Outcome, brokers, gates};
-
-type ParkingLot = Locked<parking_lot::RawMutex, parking_lot::RawThreadId>;
 
 /// What is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,15 +65,20 @@ pub(crate) enum Expected {
     /// A gate of ours, with the time that its 99th percentile is to keep to on
     /// one CPU, where there is one.
     Ours(Option<u32>),
+    /// A gate of ours whose waiters lend no priority, and says so.
+    OursLendingNone,
     /// A plain lock.
     Peer,
-    /// No way to wait on one CPU.
-    NeverOnOneCpu,
-    /// Commands after quiescence: the control.
+    /// A plain lock whose waiters spin: on one CPU, for ever. The control of
+    /// placement and priorities.
+    Spinning,
+    /// Commands after quiescence: the control of the device's count.
     Late,
     /// The host alone.
     Host,
 }
+
+type Play = fn(&Arc<Stage>, Limits) -> Outcome<Measured>;
 
 /// One row.
 #[derive(Clone, Copy)]
@@ -82,10 +86,21 @@ pub(crate) struct Row {
     pub(crate) case: Case,
     pub(crate) who: &'static str,
     pub(crate) expected: Expected,
-    play: fn(&Arc<Stage>, Limits) -> Outcome<Measured>,
+    /// Asks whether the host has what the row needs.
+    needs: fn() -> io::Result<()>,
+    play: Play,
 }
 
 impl Row {
+    fn new(case: Case, who: &'static str, expected: Expected, play: Play) -> Self {
+        Self { case, who, expected, needs: HostStrategy::check, play }
+    }
+
+    /// Whether the host can play it; if not, what is missing.
+    pub(crate) fn check(&self) -> Result<(), String> {
+        (self.needs)().map_err(|missing| format!("{}, {}: {missing}", self.case.name(), self.who))
+    }
+
     pub(crate) fn play(&self, placement: Placement, limits: Limits) -> Outcome<Measured> {
         (self.play)(&Stage::new(placement)?, limits)
     }
@@ -99,46 +114,85 @@ impl Row {
     }
 }
 
-const PI: &str = "PiLocked gate";
-const LOCKED: &str = "Locked<parking_lot> gate";
-const STD: &str = "std Mutex";
-const PARKING_LOT: &str = "parking_lot Mutex";
-const PI_CRATE: &str = "priority-inheriting-lock";
-const SPINNING: &str = "spinning";
-
 /// All that are played, in order.
 pub(crate) fn all() -> Vec<Row> {
-    let row = |case, who, expected, play| Row { case, who, expected, play };
-    let mut rows = vec![
-        row(Case::Command, PI, Expected::Ours(Some(60)), gates::inside_command::<HostStrategy>),
-        row(Case::Command, LOCKED, Expected::Ours(None), gates::inside_command::<ParkingLot>),
-        row(Case::AnyInstant, PI, Expected::Ours(None), gates::any_instant::<HostStrategy>),
-        row(Case::AnyInstant, LOCKED, Expected::Ours(None), gates::any_instant::<ParkingLot>),
-        row(Case::Check, PI, Expected::Ours(Some(60)), gates::inside_check::<HostStrategy>),
-        row(Case::Check, LOCKED, Expected::Ours(None), gates::inside_check::<ParkingLot>),
-        row(
-            Case::HandOver,
-            "PiLocked, service thread",
-            Expected::Ours(None),
-            brokers::with_service,
-        ),
-        row(Case::HandOver, PI, Expected::Ours(None), brokers::by_requester::<HostStrategy>),
-        row(Case::HandOver, LOCKED, Expected::Ours(None), brokers::by_requester::<ParkingLot>),
-    ];
-    rows.extend(peers::<PriorityInheritingLock<()>>(PI_CRATE, Expected::Peer));
-    rows.extend(peers::<Mutex<()>>(STD, Expected::Peer));
-    rows.extend(peers::<parking_lot::Mutex<()>>(PARKING_LOT, Expected::Peer));
-    rows.extend(peers::<Spinning>(SPINNING, Expected::NeverOnOneCpu));
-    rows.push(row(Case::Command, "bare flag", Expected::Late, locks::bare_flag));
-    let bare_flag = locks::bare_flag_at_any_instant;
-    rows.push(row(Case::AnyInstant, "bare flag, 1 us commands", Expected::Late, bare_flag));
+    let mut rows: Vec<_> = [pi_locked(), restartable(), fenced(), locked()].concat();
+    rows.extend(peers::<PriorityInheritingLock<()>>("priority-inheriting-lock", Expected::Peer));
+    rows.extend(peers::<Mutex<()>>("std Mutex", Expected::Peer));
+    rows.extend(peers::<parking_lot::Mutex<()>>("parking_lot Mutex", Expected::Peer));
+    rows.extend(peers::<Spinning>("spinning", Expected::Spinning));
+    rows.extend(bare_flag());
+    // Stable: within a case they stay in this order.
     rows.sort_by_key(|row| Case::ALL.iter().position(|case| *case == row.case));
     rows
 }
 
-fn peers<L: locks::Lock>(who: &'static str, expected: Expected) -> [Row; 2] {
+fn pi_locked() -> Vec<Row> {
+    let row = |case, expected, play| Row::new(case, "PiLocked gate", expected, play);
+    let service = brokers::with_service::<HostStrategy>;
+    vec![
+        row(Case::Command, Expected::Ours(Some(60)), gates::inside_command::<HostStrategy>),
+        row(Case::AnyInstant, Expected::Ours(None), gates::any_instant::<HostStrategy>),
+        row(Case::Check, Expected::Ours(Some(60)), gates::inside_check::<HostStrategy>),
+        row(Case::HandOver, Expected::Ours(None), brokers::by_requester::<HostStrategy>),
+        Row::new(Case::HandOver, "PiLocked gate, service", Expected::Ours(None), service),
+    ]
+}
+
+/// A command of several steps goes by the `PiLocked` within; one that is a
+/// store is called back, which is what has the target.
+fn restartable() -> Vec<Row> {
+    let row = |case, expected, play| Row {
+        needs: HostRestartable::check,
+        ..Row::new(case, "Restartable gate", expected, play)
+    };
+    let service = brokers::with_service::<HostRestartable>;
+    vec![
+        row(Case::Command, Expected::Ours(None), gates::inside_command::<Counted>),
+        row(Case::AnyInstant, Expected::Ours(Some(10)), restarts::any_instant),
+        row(Case::Check, Expected::Ours(None), gates::inside_check::<Counted>),
+        row(Case::HandOver, Expected::Ours(None), brokers::by_requester::<Counted>),
+        Row {
+            who: "Restartable gate, service",
+            ..row(Case::HandOver, Expected::Ours(None), service)
+        },
+    ]
+}
+
+fn fenced() -> Vec<Row> {
+    let row = |case, play| {
+        let lends_none = Row::new(case, "Fenced gate", Expected::OursLendingNone, play);
+        Row { needs: HostFenced::check, ..lends_none }
+    };
+    vec![
+        row(Case::Command, gates::inside_command::<HostFenced>),
+        row(Case::AnyInstant, gates::any_instant::<HostFenced>),
+        row(Case::Check, gates::inside_check::<HostFenced>),
+    ]
+}
+
+fn locked() -> Vec<Row> {
+    let row =
+        |case, play| Row::new(case, "Locked<parking_lot> gate", Expected::OursLendingNone, play);
+    vec![
+        row(Case::Command, gates::inside_command::<ParkingLot>),
+        row(Case::AnyInstant, gates::any_instant::<ParkingLot>),
+        row(Case::Check, gates::inside_check::<ParkingLot>),
+        row(Case::HandOver, brokers::by_requester::<ParkingLot>),
+    ]
+}
+
+fn peers<L: Lock>(who: &'static str, expected: Expected) -> [Row; 2] {
     [
-        Row { case: Case::Command, who, expected, play: locks::inside_command::<L> },
-        Row { case: Case::Check, who, expected, play: locks::inside_check::<L> },
+        Row::new(Case::Command, who, expected, locks::inside_command::<L>),
+        Row::new(Case::Check, who, expected, locks::inside_check::<L>),
+    ]
+}
+
+fn bare_flag() -> [Row; 2] {
+    let at_any_instant = locks::bare_flag_at_any_instant;
+    [
+        Row::new(Case::Command, "bare flag", Expected::Late, locks::bare_flag),
+        Row::new(Case::AnyInstant, "bare flag, 1 us commands", Expected::Late, at_any_instant),
     ]
 }

@@ -272,7 +272,7 @@ impl Stage {
         let changed = register != REGISTER.load(SeqCst);
         self.late.fetch_add(u64::from(changed && answer == Answer::Done), SeqCst);
         match cue {
-            Cue::AnyInstant => measured.time(took),
+            Cue::AnyInstant => measured.time(took, answer),
             Cue::Inside | Cue::InsideAfterStall => measured.add(took, caught, answer),
         }
         Ok(())

@@ -13,7 +13,7 @@ use rustix::time::{ClockId, Timespec, clock_gettime};
 use super::bell::Bell;
 use super::measured::Measured;
 use super::rights::{self, HOG, HOLDER, Placement, REVOKER};
-use super::stage::work;
+use super::stage::{Answer, work};
 use super::{Failure, Outcome};
 
 /// From one wake-up to the next.
@@ -78,7 +78,7 @@ fn by_other_cpu(measured: &mut Measured, placement: Placement) -> Outcome<()> {
             for _ in 0..CYCLES {
                 bell.wait()?;
                 let rung_at = Duration::from_nanos(rung_at.load(SeqCst));
-                measured.time(now().saturating_sub(rung_at));
+                measured.time(now().saturating_sub(rung_at), Answer::Done);
                 answer.ring();
             }
             Ok::<_, Failure>(())
@@ -103,7 +103,7 @@ fn cycle(measured: &mut Measured) -> Outcome<()> {
     for _ in 0..CYCLES {
         due += INTERVAL;
         sleep_until(due)?;
-        measured.time(now().saturating_sub(due));
+        measured.time(now().saturating_sub(due), Answer::Done);
     }
     Ok(())
 }
