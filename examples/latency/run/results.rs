@@ -195,8 +195,8 @@ mod tests {
     #[test]
     fn who_gave_up_has_no_time_and_is_named() {
         let row = played(Expected::Spinning, 0, true, Answer::GaveUp);
-        let fragment = Fragment::of(&[row.clone()], &[]);
-        assert_eq!((fragment.figures.len(), fragment.never), (0, vec![row.name()]));
+        let (name, fragment) = (row.name(), Fragment::of(&[row], &[]));
+        assert_eq!((fragment.figures.len(), fragment.never), (0, vec![name]));
     }
 
     #[test]

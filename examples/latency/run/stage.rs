@@ -1,4 +1,6 @@
-//! The stage: a holder, a hog and a revoker, and the rounds that they play.
+//! The stage: a holder, a hog and a revoker, and how they wake each other.
+
+mod rounds;
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::SeqCst};
 use std::sync::{Arc, Barrier, Mutex, PoisonError};
@@ -7,7 +9,6 @@ use std::time::{Duration, Instant};
 
 use super::Outcome;
 use super::bell::Bell;
-use super::device::REGISTER;
 use super::measured::Measured;
 use super::rights::{self, HOG, HOLDER, Placement, REVOKER};
 
@@ -15,10 +16,6 @@ use super::rights::{self, HOG, HOLDER, Placement, REVOKER};
 pub(crate) const HOG_WORKS: Duration = Duration::from_millis(3);
 /// What is left of a command or check when its thread is pre-empted inside it.
 pub(crate) const STILL_TO_DO: Duration = Duration::from_micros(2);
-/// The least pause after a round.
-const PAUSE: Duration = Duration::from_micros(100);
-/// So few rounds are played even if they take longer than their time.
-const LEAST: u64 = 8;
 
 /// When the revoker sets out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -234,68 +231,6 @@ impl Stage {
             work(HOG_WORKS, || self.is_over());
         }
     }
-
-    fn conduct(&self, cue: Cue, limits: Limits, mut revoker: impl Revoker) -> Outcome<Measured> {
-        let mut measured = Measured::new()?;
-        let ends = Instant::now() + limits.time;
-        while measured.rounds() < LEAST
-            || measured.rounds() < limits.rounds && Instant::now() < ends
-        {
-            let began = Instant::now();
-            self.play_round(cue, &mut revoker, &mut measured)?;
-            rest_after(began.elapsed())?;
-        }
-        measured.late = self.late.load(SeqCst);
-        Ok(measured)
-    }
-
-    fn play_round(
-        &self,
-        cue: Cue,
-        revoker: &mut impl Revoker,
-        measured: &mut Measured,
-    ) -> Outcome<()> {
-        revoker.prepare()?;
-        self.quiescent.store(false, SeqCst);
-        self.over.store(false, SeqCst);
-        self.go.ring();
-        self.await_cue(cue, measured.rounds(), revoker)?;
-        let caught = self.inside.load(SeqCst);
-        let start = Instant::now();
-        let answer = revoker.measured()?;
-        let took = start.elapsed();
-        let register = REGISTER.load(SeqCst);
-        self.quiescent.store(answer == Answer::Done, SeqCst);
-        self.over.store(true, SeqCst);
-        self.done.wait()?;
-        self.failure()?;
-        let changed = register != REGISTER.load(SeqCst);
-        self.late.fetch_add(u64::from(changed && answer == Answer::Done), SeqCst);
-        match cue {
-            Cue::AnyInstant => measured.time(took, answer),
-            Cue::Inside | Cue::InsideAfterStall => measured.add(took, caught, answer),
-        }
-        Ok(())
-    }
-
-    fn await_cue(&self, cue: Cue, round: u64, revoker: &mut impl Revoker) -> Outcome<()> {
-        let one_cpu = self.placement.is_one_cpu();
-        if cue == Cue::AnyInstant {
-            super::wakeup::sleep(any_instant(round))?;
-            self.hog.ring();
-            return if one_cpu { Ok(()) } else { self.told.wait() };
-        }
-        if cue == Cue::InsideAfterStall {
-            self.told.wait()?;
-            revoker.meanwhile()?;
-            self.resume.ring();
-        }
-        self.told.wait()?;
-        if one_cpu {
-            self.hog.ring();
-        }
-        self.failure()
-    }
 }
 
 /// Ends the row when its part does.
@@ -313,17 +248,4 @@ pub(crate) fn work(time: Duration, enough: impl Fn() -> bool) {
     while start.elapsed() < time && !enough() {
         std::hint::spin_loop();
     }
-}
-
-/// Leaves others the CPU for longer than the kernel takes it from real-time
-/// threads for them (a twentieth), so that it need not.
-fn rest_after(round: Duration) -> Outcome<()> {
-    super::wakeup::sleep(PAUSE.max(round / 8))
-}
-
-/// Between 50 and 114 us, spread evenly over any number of rounds: the
-/// multiples of the golden ratio.
-fn any_instant(round: u64) -> Duration {
-    let fraction = round.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 48;
-    Duration::from_nanos(50_000 + fraction)
 }
