@@ -21,6 +21,8 @@ pub(crate) struct Measured {
     pub(crate) caught: u64,
     /// In so many rounds who waited gave up.
     pub(crate) gave_up: u64,
+    /// In so many rounds the hog had done all its work by then.
+    pub(crate) hog_first: u64,
     /// So many commands reached the device after quiescence.
     pub(crate) late: u64,
     /// So many stores were called back, where that is counted.
@@ -30,7 +32,7 @@ pub(crate) struct Measured {
 impl Measured {
     pub(crate) fn new() -> Outcome<Self> {
         let times = Histogram::new_with_bounds(1, LONGEST_NS, 3)?;
-        Ok(Self { times, rounds: 0, caught: 0, gave_up: 0, late: 0, restarts: None })
+        Ok(Self { times, rounds: 0, caught: 0, gave_up: 0, hog_first: 0, late: 0, restarts: None })
     }
 
     pub(crate) fn rounds(&self) -> u64 {

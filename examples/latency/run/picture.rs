@@ -98,7 +98,7 @@ fn axis(height: f64) -> Group {
 fn draw_row(row: &Played, y: f64) -> Group {
     let colour = match row.expected {
         Expected::Ours(_) | Expected::OursLendingNone => OURS,
-        Expected::Peer => PEER,
+        Expected::Peer | Expected::PeerLendingNone => PEER,
         Expected::Spinning | Expected::Late => WRONG,
         Expected::Host => HOST,
     };

@@ -20,6 +20,7 @@ pub(crate) fn table(case: Case, played: &[Played]) -> Option<String> {
         "CPUs",
         "rounds",
         "caught\ninside",
+        "hog\nfirst",
         "p50\nus",
         "p99\nus",
         "p99.9\nus",
@@ -36,7 +37,7 @@ pub(crate) fn table(case: Case, played: &[Played]) -> Option<String> {
     Some(format!("{}\n{}", case.title(), table.trim_fmt()))
 }
 
-fn cells(row: &Played) -> [String; 10] {
+fn cells(row: &Played) -> [String; 11] {
     let measured = &row.measured;
     let none = || "-".to_owned();
     let time = |us: Option<f64>| match us {
@@ -52,6 +53,7 @@ fn cells(row: &Played) -> [String; 10] {
         row.placement.name().into(),
         measured.rounds().to_string(),
         if_told(row.tells_caught(), measured.caught),
+        if_told(row.case != Case::WakeUp, measured.hog_first),
         time(measured.quantile_us(0.5)),
         time(measured.quantile_us(0.99)),
         time(measured.quantile_us(0.999)),

@@ -67,8 +67,10 @@ pub(crate) enum Expected {
     Ours(Option<u32>),
     /// A gate of ours whose waiters lend no priority, and says so.
     OursLendingNone,
-    /// A plain lock.
+    /// A plain lock whose waiters lend their priority.
     Peer,
+    /// A plain lock whose waiters lend none: the control of the hog.
+    PeerLendingNone,
     /// A plain lock whose waiters spin: on one CPU, for ever. The control of
     /// placement and priorities.
     Spinning,
@@ -118,8 +120,9 @@ impl Row {
 pub(crate) fn all() -> Vec<Row> {
     let mut rows: Vec<_> = [pi_locked(), restartable(), fenced(), locked()].concat();
     rows.extend(peers::<PriorityInheritingLock<()>>("priority-inheriting-lock", Expected::Peer));
-    rows.extend(peers::<Mutex<()>>("std Mutex", Expected::Peer));
-    rows.extend(peers::<parking_lot::Mutex<()>>("parking_lot Mutex", Expected::Peer));
+    rows.extend(peers::<Mutex<()>>("std Mutex", Expected::PeerLendingNone));
+    let lends_none = Expected::PeerLendingNone;
+    rows.extend(peers::<parking_lot::Mutex<()>>("parking_lot Mutex", lends_none));
     rows.extend(peers::<Spinning>("spinning", Expected::Spinning));
     rows.extend(bare_flag());
     // Stable: within a case they stay in this order.

@@ -72,6 +72,8 @@ pub(crate) struct Stage {
     over: AtomicBool,
     /// No round follows.
     ended: AtomicBool,
+    /// The hog has done all its work in this round.
+    hog_is_done: AtomicBool,
     /// The holder is inside a command or check.
     inside: AtomicBool,
     /// The revoker has been told that the holder is out.
@@ -92,6 +94,7 @@ impl Stage {
             done: Bell::new()?,
             over: AtomicBool::new(false),
             ended: AtomicBool::new(false),
+            hog_is_done: AtomicBool::new(false),
             inside: AtomicBool::new(false),
             quiescent: AtomicBool::new(false),
             late: AtomicU64::new(0),
@@ -229,6 +232,7 @@ impl Stage {
                 self.told.ring();
             }
             work(HOG_WORKS, || self.is_over());
+            self.hog_is_done.store(!self.is_over(), SeqCst);
         }
     }
 }

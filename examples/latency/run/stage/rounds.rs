@@ -42,6 +42,7 @@ impl Stage {
         revoker.prepare()?;
         self.quiescent.store(false, SeqCst);
         self.over.store(false, SeqCst);
+        self.hog_is_done.store(false, SeqCst);
         self.go.ring();
         self.await_cue(cue, measured.rounds(), revoker)?;
         let caught = self.inside.load(SeqCst);
@@ -49,6 +50,7 @@ impl Stage {
         let answer = revoker.measured()?;
         let took = start.elapsed();
         let register = REGISTER.load(SeqCst);
+        let hog_first = self.hog_is_done.load(SeqCst);
         self.quiescent.store(answer == Answer::Done, SeqCst);
         self.over.store(true, SeqCst);
         self.done.wait()?;
@@ -59,6 +61,7 @@ impl Stage {
             Cue::AnyInstant => measured.time(took, answer),
             Cue::Inside | Cue::InsideAfterStall => measured.add(took, caught, answer),
         }
+        measured.hog_first += u64::from(hog_first);
         Ok(())
     }
 
