@@ -10,6 +10,7 @@ mod measured;
 mod picture;
 mod probe;
 mod report;
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 mod restarts;
 mod results;
 mod rights;

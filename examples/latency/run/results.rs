@@ -143,10 +143,17 @@ impl Fragment {
 
 /// The sentences under the tables.
 pub(crate) fn remarks(played: &[Played]) -> Vec<String> {
-    let mut remarks = vec![format!(
-        "The hog works for {} ms, or until the measurement is over. In flight nothing says that it ends.",
-        HOG_WORKS.as_millis()
-    )];
+    if played.is_empty() {
+        return Vec::new();
+    }
+    let service = "\"service\": with the broker's service thread above all others; without, the requester does what is due.";
+    let mut remarks = vec![
+        service.into(),
+        format!(
+            "The hog works for {} ms, or until the measurement is over. In flight nothing says that it ends.",
+            HOG_WORKS.as_millis()
+        ),
+    ];
     remarks.extend(played.iter().filter(|row| row.measured.gave_up > 0).map(|row| {
         let (gave_up, rounds) = (row.measured.gave_up, row.measured.rounds());
         format!("{}: who waited gave up in {gave_up} of {rounds} rounds.", row.name())

@@ -3,7 +3,8 @@
 use std::fs;
 
 use faregate::runtime::realtime::RealTime;
-use rustix::thread::{CpuSet, sched_getaffinity};
+use rustix::process::{Resource, getrlimit};
+use rustix::thread::{CapabilitySet, CpuSet, capabilities, sched_getaffinity};
 
 use super::Outcome;
 
@@ -49,9 +50,8 @@ impl Rights {
     /// priorities and CPUs that rows need.
     pub(crate) fn take(cpus: &[usize]) -> Self {
         let mut rights = Self { placements: Vec::new(), missing: Vec::new() };
-        let memory = RealTime::request().locked_memory().apply();
-        if !memory.is_complete() {
-            rights.missing.push(format!("{memory} (rows are measured all the same)"));
+        if let Err(missing) = lock_memory() {
+            rights.missing.push(format!("{missing} (rows are measured all the same)"));
         }
         let cpus = if cpus.is_empty() { permitted_cpus() } else { cpus.to_vec() };
         let Some(&first) = cpus.first() else {
@@ -82,6 +82,23 @@ impl Rights {
         self.missing.push(format!("{refused}; rows on CPU {cpu} are skipped"));
         false
     }
+}
+
+/// Locks all memory of the process, if what comes later can be locked as well:
+/// with a limit, a thread that starts then could find no memory for its stack.
+fn lock_memory() -> Outcome<()> {
+    let is_limited = getrlimit(Resource::Memlock).current.is_some();
+    let may_exceed =
+        capabilities(None).is_ok_and(|sets| sets.effective.contains(CapabilitySet::IPC_LOCK));
+    if is_limited && !may_exceed {
+        return Err(
+            "locked memory: not asked for, because there is a limit to it; give the process \
+                    CAP_IPC_LOCK, or no limit of locked memory (`ulimit -l unlimited`)"
+                .into(),
+        );
+    }
+    let report = RealTime::request().locked_memory().apply();
+    if report.is_complete() { Ok(()) } else { Err(report.to_string().into()) }
 }
 
 /// Gives the calling thread this CPU and this `SCHED_FIFO` priority.

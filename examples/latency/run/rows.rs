@@ -3,13 +3,12 @@
 use std::io;
 use std::sync::{Arc, Mutex};
 
-use faregate::runtime::host::{HostFenced, HostRestartable, HostStrategy, Supported};
+use faregate::runtime::host::{HostFenced, HostStrategy, Supported};
 use priority_inheriting_lock::PriorityInheritingLock;
 
 use super::gates::ParkingLot;
 use super::locks::{self, Lock, Spinning};
 use super::measured::Measured;
-use super::restarts::{self, Counted};
 use super::rights::Placement;
 use super::stage::{Limits, Stage};
 use super::{Outcome, brokers, gates};
@@ -144,7 +143,11 @@ fn pi_locked() -> Vec<Row> {
 
 /// A command of several steps goes by the `PiLocked` within; one that is a
 /// store is called back, which is what has the target.
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 fn restartable() -> Vec<Row> {
+    use super::restarts::{self, Counted};
+    use faregate::runtime::host::HostRestartable;
+
     let row = |case, expected, play| Row {
         needs: HostRestartable::check,
         ..Row::new(case, "Restartable gate", expected, play)
@@ -160,6 +163,12 @@ fn restartable() -> Vec<Row> {
             ..row(Case::HandOver, Expected::Ours(None), service)
         },
     ]
+}
+
+/// There are no restartable sequences for this processor yet.
+#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+fn restartable() -> Vec<Row> {
+    Vec::new()
 }
 
 fn fenced() -> Vec<Row> {
