@@ -2,7 +2,7 @@
 
 use std::convert::Infallible;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU32, Ordering::SeqCst};
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering::SeqCst};
 
 use faregate::prelude::{Declaration, Device, Duration, Effect, Profile};
 
@@ -39,6 +39,9 @@ impl Patience {
 /// The device of commands that are one store. Rows are played one after the
 /// other, so that each has it alone.
 pub(crate) static REGISTER: AtomicU32 = AtomicU32::new(0);
+
+/// How many of these stores were called back, where the gate can do that.
+pub(crate) static CALLED_BACK: AtomicU64 = AtomicU64::new(0);
 
 /// A command.
 #[derive(Clone, Copy, Debug)]

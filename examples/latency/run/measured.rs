@@ -25,14 +25,25 @@ pub(crate) struct Measured {
     pub(crate) hog_first: u64,
     /// So many commands reached the device after quiescence.
     pub(crate) late: u64,
-    /// So many stores were called back, where that is counted.
-    pub(crate) restarts: Option<u64>,
+    /// In so many rounds a store was called back.
+    pub(crate) called_back: u64,
+    /// The longest of those.
+    pub(crate) called_back_max: Duration,
 }
 
 impl Measured {
     pub(crate) fn new() -> Outcome<Self> {
         let times = Histogram::new_with_bounds(1, LONGEST_NS, 3)?;
-        Ok(Self { times, rounds: 0, caught: 0, gave_up: 0, hog_first: 0, late: 0, restarts: None })
+        Ok(Self {
+            times,
+            rounds: 0,
+            caught: 0,
+            gave_up: 0,
+            hog_first: 0,
+            late: 0,
+            called_back: 0,
+            called_back_max: Duration::ZERO,
+        })
     }
 
     pub(crate) fn rounds(&self) -> u64 {

@@ -162,9 +162,11 @@ pub(crate) fn remarks(played: &[Played]) -> Vec<String> {
         let rounds = row.measured.rounds();
         format!("{}: wrong in {} of {rounds} rounds.", row.name(), row.measured.late)
     }));
-    remarks.extend(played.iter().filter_map(|row| {
-        let (restarts, rounds) = (row.measured.restarts?, row.measured.rounds());
-        Some(format!("{}: {restarts} stores were called back in {rounds} rounds.", row.name()))
+    remarks.extend(played.iter().filter(|row| row.measured.called_back > 0).map(|row| {
+        let Measured { called_back, called_back_max, .. } = &row.measured;
+        let (rounds, max) = (row.measured.rounds(), called_back_max.as_nanos() as f64 / 1e3);
+        let name = row.name();
+        format!("{name}: in {called_back} of {rounds} rounds a store was called back; they took at most {max:.1} us.")
     }));
     remarks
 }

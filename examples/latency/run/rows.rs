@@ -145,7 +145,7 @@ fn pi_locked() -> Vec<Row> {
 /// store is called back, which is what has the target.
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 fn restartable() -> Vec<Row> {
-    use super::restarts::{self, Counted};
+    use super::restarts::Counted;
     use faregate::runtime::host::HostRestartable;
 
     let row = |case, expected, play| Row {
@@ -155,7 +155,7 @@ fn restartable() -> Vec<Row> {
     let service = brokers::with_service::<HostRestartable>;
     vec![
         row(Case::Command, Expected::Ours(None), gates::inside_command::<Counted>),
-        row(Case::AnyInstant, Expected::Ours(Some(10)), restarts::any_instant),
+        row(Case::AnyInstant, Expected::Ours(Some(10)), gates::any_instant::<Counted>),
         row(Case::Check, Expected::Ours(None), gates::inside_check::<Counted>),
         row(Case::HandOver, Expected::Ours(None), brokers::by_requester::<Counted>),
         Row {

@@ -4,7 +4,7 @@ use std::sync::atomic::Ordering::SeqCst;
 use std::time::{Duration, Instant};
 
 use super::{Answer, Cue, Limits, Revoker, Stage};
-use crate::run::device::REGISTER;
+use crate::run::device::{CALLED_BACK, REGISTER};
 use crate::run::measured::Measured;
 use crate::run::{Outcome, wakeup};
 
@@ -43,6 +43,7 @@ impl Stage {
         self.quiescent.store(false, SeqCst);
         self.over.store(false, SeqCst);
         self.hog_is_done.store(false, SeqCst);
+        let called_back = CALLED_BACK.load(SeqCst);
         self.go.ring();
         self.await_cue(cue, measured.rounds(), revoker)?;
         let caught = self.inside.load(SeqCst);
@@ -62,6 +63,11 @@ impl Stage {
             Cue::Inside | Cue::InsideAfterStall => measured.add(took, caught, answer),
         }
         measured.hog_first += u64::from(hog_first);
+        // Its thread notices when it runs again.
+        if called_back != CALLED_BACK.load(SeqCst) {
+            measured.called_back += 1;
+            measured.called_back_max = measured.called_back_max.max(took);
+        }
         Ok(())
     }
 
