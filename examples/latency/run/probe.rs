@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicU32;
 
 use faregate::tickets::clock::Duration;
-use faregate::tickets::lock::{Exclusion, Next, Owner, Shut, Strategy, Way};
+use faregate::tickets::lock::{Exclusion, Owner, Shut, Strategy, Task, Way};
 use faregate::tickets::ticket::Seat;
 
 use super::stage::Stage;
@@ -72,11 +72,11 @@ impl<T: Send, L: Exclusion<T>> Exclusion<T> for ProbedLock<L> {
 }
 
 impl<T, W: Way<T>> Way<T> for ProbedWay<W> {
-    fn with<S, E, R>(
+    fn with<S, E, J: Task<T, S>>(
         &self,
         look: impl Fn() -> Result<S, E>,
-        f: impl FnOnce(&mut T, S) -> (R, Next),
-    ) -> Result<Result<R, E>, Shut> {
+        task: J,
+    ) -> Result<Result<J::Output, E>, Shut> {
         if let Some(stage) = STALLS.with_borrow(Option::clone) {
             stage.stall();
         }
@@ -86,15 +86,15 @@ impl<T, W: Way<T>> Way<T> for ProbedWay<W> {
             }
             look()
         };
-        self.0.with(look, f)
+        self.0.with(look, task)
     }
 
-    fn try_with<S, E, R>(
+    fn try_with<S, E, J: Task<T, S>>(
         &self,
         look: impl Fn() -> Result<S, E>,
-        f: impl FnOnce(&mut T, S) -> (R, Next),
-    ) -> Result<Result<R, E>, Shut> {
-        self.0.try_with(look, f)
+        task: J,
+    ) -> Result<Result<J::Output, E>, Shut> {
+        self.0.try_with(look, task)
     }
 
     fn store(&self, register: &AtomicU32, word: u32) -> bool {
