@@ -34,7 +34,7 @@ pub type HostStrategy =
 
 /// For holders that are not pre-empted inside a command: the tenant enters with
 /// one fence, everybody else as [`HostStrategy`] does.
-pub type HostFenced = Fenced<HostStrategy, Yielding>;
+pub type HostFenced = Fenced<HostStrategy, SpinThenSleep>;
 
 /// For commands that are one store: the tenant's are restartable sequences,
 /// everybody enters as [`HostStrategy`] does and then ends them.
@@ -48,15 +48,19 @@ impl<S: Strategy> Platform for Host<S> {
     type Containment = Caught;
 }
 
-/// Spins for a moment, then yields: what is waited for runs on another core, or
-/// is let run on this one.
+/// Spins for a moment, then sleeps between its looks: what is waited for runs on
+/// another core, or is let run on this one. (A yield would let nobody run who is
+/// less important.)
 #[derive(Debug)]
-pub enum Yielding {}
+pub enum SpinThenSleep {}
 
-/// How long a command that needs no yield takes at most, in looks at it.
+/// How long a command that runs on another core takes at most, in looks at it.
 const SPINS: u32 = 256;
 
-impl Wait for Yielding {
+/// How long is slept between two looks, and a little more.
+const NAP: std::time::Duration = std::time::Duration::from_micros(20);
+
+impl Wait for SpinThenSleep {
     fn until(timeout: Duration, mut over: impl FnMut() -> bool) -> bool {
         for _ in 0..SPINS {
             if over() {
@@ -70,7 +74,7 @@ impl Wait for Yielding {
             if clock.now() >= deadline {
                 return over();
             }
-            std::thread::yield_now();
+            std::thread::sleep(NAP);
         }
         true
     }
