@@ -5,16 +5,18 @@ use faregate::agents::{self, Revoked};
 use faregate::prelude::*;
 use faregate::runtime;
 use faregate::runtime::clock::MonotonicClock;
+use faregate::runtime::host::{Host, Supported};
 use faregate::tickets::Gate;
-use faregate::tickets::lock::Strategy;
 use faregate::tickets::notify::{NoNotify, Notify};
 use faregate::tickets::platform::Platform;
 use faregate::tickets::recorder::NoLane;
 use faregate_devices_sim::Dice;
 
-use crate::gates::{Ports, Worker};
+use crate::driver::Driver;
+use crate::gates::Ports;
 use crate::room::{Order, Room};
-use crate::subject::{Outcome, Pass, Refused, Subject};
+use crate::strategies::Soaked;
+use crate::subject::{Orders, Outcome, Pass, Subject};
 
 /// How many gates are soaked. The revoker has one more, for itself.
 const GATES: usize = 2;
@@ -36,12 +38,13 @@ const WAYS: [Way; 5] =
 type Served<P, N, const G: usize, const T: usize, const S: usize> =
     &'static agents::Broker<'static, P, N, G, T, S>;
 
-type Paper<Q, P, N, const G: usize, const T: usize, const S: usize> =
-    faregate::tickets::Ticket<'static, Worker, Q, agents::Broker<'static, P, N, G, T, S>>;
+type Paper<D, Q, P, N, const G: usize, const T: usize, const S: usize> =
+    faregate::tickets::Ticket<'static, D, Q, agents::Broker<'static, P, N, G, T, S>>;
 
 /// A broker with two gates of platform `Q`, and who revokes their tickets.
-pub(crate) struct Agents<Q, P, N, const G: usize, const T: usize, const S: usize>
+pub(crate) struct Agents<D, Q, P, N, const G: usize, const T: usize, const S: usize>
 where
+    D: Driver + 'static,
     Q: Platform + 'static,
     P: Platform + 'static,
     N: Notify + 'static,
@@ -49,16 +52,31 @@ where
     broker: Served<P, N, G, T, S>,
     supervisors: Supervisors,
     rooms: [&'static Room; GATES],
-    gates: [agents::Handle<'static, Worker, Q>; GATES],
+    gates: [agents::Handle<'static, D, Q>; GATES],
     tickets: [TicketId; GATES],
-    passes: Vec<AgentPass<Q, P, N, G, T, S>>,
+    passes: Vec<AgentPass<D, Q, P, N, G, T, S>>,
     /// The revoker's own, for all but me.
-    own: Paper<Q, P, N, G, T, S>,
+    own: Paper<D, Q, P, N, G, T, S>,
     way: Way,
     target: usize,
     /// What is to be quiescent.
     revoked: Option<Revoked<'static>>,
-    emergency: Option<Paper<Q, P, N, G, T, S>>,
+    emergency: Option<Paper<D, Q, P, N, G, T, S>>,
+    /// After all tickets.
+    _threads: Threads,
+}
+
+/// The threads of a broker that has some: they end with it.
+#[derive(Debug)]
+struct Threads(Option<runtime::Broker>);
+
+impl Drop for Threads {
+    fn drop(&mut self) {
+        if let Some(broker) = self.0.take() {
+            // Should a ticket be held after all, its threads go on with it.
+            let _ = broker.close();
+        }
+    }
 }
 
 #[derive(Debug)]
@@ -67,70 +85,82 @@ struct Supervisors {
     broker: Supervisor,
 }
 
-/// A broker that the revoker serves itself, with gates behind the strategy `L`.
-pub(crate) type ByHand<L> = Agents<Ports<L>, Ports<L>, NoNotify, 4, 8, 2>;
+/// A broker that the revoker serves itself. Its gates are behind the strategy
+/// `L`, its books behind `B`.
+pub(crate) type ByHand<D, L, B> = Agents<D, Ports<L>, Ports<B>, NoNotify, 4, 8, 2>;
 
-/// A broker with its service thread, recorder and wake-ups.
-pub(crate) type WithService = Agents<
-    runtime::host::Host,
-    runtime::host::Host,
+/// A broker with its service thread, recorder and wake-ups. Its gates are
+/// behind the strategy `L`.
+pub(crate) type WithService<D, L> = Agents<
+    D,
+    Host<L>,
+    Host,
     &'static runtime::Waiters,
     { runtime::broker::GATES },
     { runtime::broker::TICKETS },
     { runtime::broker::SETS },
 >;
 
-impl<L: Strategy> ByHand<L> {
-    pub(crate) fn new() -> Outcome<Self> {
+/// The scheduler's priority of the service thread: below the revoker, which
+/// serves too, above the holders.
+const SERVICE: u8 = 15;
+
+impl<D: Driver + 'static, L: Soaked, B: Soaked> ByHand<D, L, B> {
+    pub(crate) fn by_hand() -> Outcome<Self> {
+        L::check()?;
+        B::check()?;
         let clock = MonotonicClock::new();
         let mut broker =
-            Box::new(agents::Broker::<Ports<L>, _, 4, 8, 2>::new(clock, NoLane, NoNotify));
+            Box::new(agents::Broker::<Ports<B>, _, 4, 8, 2>::new(clock, NoLane, NoNotify));
         let rooms = [(); GATES].map(|()| Room::leaked());
         let soaked = broker.agent(Policy::unlimited())?;
         let other = broker.agent(Policy::unlimited())?;
         let mut gate = |agent, room| {
-            let gate = Gate::<_, Ports<L>>::new(Worker(room), clock, NoLane);
+            let gate = Gate::<_, Ports<L>>::new(D::new(room), clock, NoLane);
             broker.register(agent, Box::leak(Box::new(gate)).key())
         };
         let gates = [gate(soaked, rooms[0])?, gate(soaked, rooms[1])?];
         let own = gate(other, Room::leaked())?;
         let supervisors =
             Supervisors { agent: broker.supervisor_of(soaked)?, broker: broker.supervisor() };
-        Self::with(Box::leak(broker), supervisors, rooms, gates, own)
+        Self::with(Box::leak(broker), Threads(None), supervisors, rooms, gates, own)
     }
 }
 
-impl WithService {
-    pub(crate) fn new() -> Outcome<Self> {
+impl<D: Driver + 'static, L: Supported> WithService<D, L> {
+    pub(crate) fn with_service() -> Outcome<Self> {
         let mut builder = runtime::Broker::builder()?;
         let rooms = [(); GATES].map(|()| Room::leaked());
         let soaked = builder.agent(Policy::unlimited())?;
         let other = builder.agent(Policy::unlimited())?;
-        let gates = [
-            builder.gate(soaked, "one", Worker(rooms[0]))?,
-            builder.gate(soaked, "two", Worker(rooms[1]))?,
-        ];
-        let own = builder.gate(other, "own", Worker(Room::leaked()))?;
+        let mut gate = |agent, name, room| {
+            builder.gate_behind::<L, _>(agent, name, D::new(room), GateOptions::new())
+        };
+        let gates = [gate(soaked, "one", rooms[0])?, gate(soaked, "two", rooms[1])?];
+        let own = gate(other, "own", Room::leaked())?;
         let supervisors =
             Supervisors { agent: builder.supervisor_of(soaked)?, broker: builder.supervisor() };
-        Self::with(builder.start()?.agents(), supervisors, rooms, gates, own)
+        let broker = builder.real_time(SERVICE).start()?;
+        Self::with(broker.agents(), Threads(Some(broker)), supervisors, rooms, gates, own)
     }
 }
 
-impl<Q: Platform, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
-    Agents<Q, P, N, G, T, S>
+impl<D: Driver, Q: Platform, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
+    Agents<D, Q, P, N, G, T, S>
 {
     fn with(
         broker: Served<P, N, G, T, S>,
+        threads: Threads,
         supervisors: Supervisors,
         rooms: [&'static Room; GATES],
-        gates: [agents::Handle<'static, Worker, Q>; GATES],
-        own: agents::Handle<'static, Worker, Q>,
+        gates: [agents::Handle<'static, D, Q>; GATES],
+        own: agents::Handle<'static, D, Q>,
     ) -> Outcome<Self> {
         let mut passes = Vec::new();
         for ((holder, gate), room) in (1..).zip(&gates).zip(&rooms) {
             room.open_for(holder);
-            passes.push(AgentPass { holder, ticket: broker.request(Priority::SCIENCE, gate)? });
+            let ticket = broker.request(Priority::SCIENCE, gate)?;
+            passes.push(AgentPass { holder, room, ticket });
         }
         let tickets = [passes[0].ticket.id(), passes[1].ticket.id()];
         let own = broker.request(Priority::ENGINEERING, &own)?;
@@ -148,12 +178,13 @@ impl<Q: Platform, P: Platform, N: Notify, const G: usize, const T: usize, const 
             target,
             revoked,
             emergency,
+            _threads: threads,
         })
     }
 
     /// Serves until the ticket is valid. Where there is a service thread, it may
     /// be in the midst of a step that it has to end.
-    fn serve(&self, ticket: &Paper<Q, P, N, G, T, S>) -> Outcome<()> {
+    fn serve(&self, ticket: &Paper<D, Q, P, N, G, T, S>) -> Outcome<()> {
         for _ in 0..100_000 {
             self.broker.service();
             if ticket.check().is_ok() {
@@ -166,10 +197,14 @@ impl<Q: Platform, P: Platform, N: Notify, const G: usize, const T: usize, const 
     }
 }
 
-impl<Q: Platform, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize> Subject
-    for Agents<Q, P, N, G, T, S>
+impl<D: Driver, Q: Platform, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
+    Subject for Agents<D, Q, P, N, G, T, S>
 {
-    type Pass = AgentPass<Q, P, N, G, T, S>;
+    type Pass = AgentPass<D, Q, P, N, G, T, S>;
+
+    fn orders(&self) -> Orders {
+        D::ORDERS
+    }
 
     fn rooms(&self) -> &[&'static Room] {
         &self.rooms
@@ -243,24 +278,30 @@ impl<Q: Platform, P: Platform, N: Notify, const G: usize, const T: usize, const 
 }
 
 /// A holder's ticket.
-pub(crate) struct AgentPass<Q, P, N, const G: usize, const T: usize, const S: usize>
+pub(crate) struct AgentPass<D, Q, P, N, const G: usize, const T: usize, const S: usize>
 where
+    D: Driver + 'static,
     Q: Platform + 'static,
     P: Platform + 'static,
     N: Notify + 'static,
 {
     holder: u8,
-    ticket: Paper<Q, P, N, G, T, S>,
+    room: &'static Room,
+    ticket: Paper<D, Q, P, N, G, T, S>,
 }
 
-impl<Q: Platform, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize> Pass
-    for AgentPass<Q, P, N, G, T, S>
+impl<D: Driver, Q: Platform, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
+    Pass for AgentPass<D, Q, P, N, G, T, S>
 {
     fn holder(&self) -> u8 {
         self.holder
     }
 
-    fn invoke(&self, order: Order) -> Result<(), Refused> {
-        self.ticket.invoke(order).map_err(|error| Refused { why: error.refusal() })
+    fn room(&self) -> &'static Room {
+        self.room
+    }
+
+    fn invoke(&self, order: Order) -> Result<(), Option<Refusal>> {
+        self.ticket.invoke(order).map_err(|error| error.refusal())
     }
 }

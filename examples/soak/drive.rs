@@ -1,16 +1,16 @@
 //! The soak of one subject: its holders hammer, its revoker revokes.
 
-use std::sync::Barrier;
+use std::iter::Sum;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use faregate::prelude::Refusal;
 use faregate_devices_sim::Dice;
 
+use crate::holder::{Hammer, Held};
 use crate::place::Place;
-use crate::room::{Order, Room};
-use crate::subject::{Outcome, Pass, Subject};
+use crate::room::Room;
+use crate::subject::{Outcome, Subject};
 
 /// A holder that is not admitted for so long is not merely slow.
 const STARVED: Duration = Duration::from_secs(20);
@@ -31,10 +31,12 @@ pub(crate) struct Tally {
     pub(crate) revocations: u64,
     /// Tickets that were valid, and were revoked.
     pub(crate) hit: u64,
-    /// Revocations that found a holder inside a command.
+    /// Holders that were inside a command at that moment.
     pub(crate) caught: u64,
     pub(crate) admitted: u64,
     pub(crate) refused: u64,
+    /// Commands that were stored without the driver.
+    pub(crate) by_store: u64,
     /// Commands that began or were in progress after quiescence.
     pub(crate) late: u64,
 }
@@ -47,6 +49,7 @@ impl Tally {
             caught: self.caught + other.caught,
             admitted: self.admitted + other.admitted,
             refused: self.refused + other.refused,
+            by_store: self.by_store + other.by_store,
             late: self.late + other.late,
         }
     }
@@ -60,55 +63,71 @@ impl Tally {
     }
 }
 
+impl Sum for Tally {
+    fn sum<I: Iterator<Item = Self>>(tallies: I) -> Self {
+        tallies.fold(Self::default(), Self::and)
+    }
+}
+
 impl Drive {
-    /// Soaks one subject, and counts what is done into `done`.
-    pub(crate) fn soak<S: Subject>(self, mut subject: S, done: &AtomicU64) -> Outcome<Tally> {
-        let mut hands: Vec<Vec<S::Pass>> = (0..self.place.holders()).map(|_| vec![]).collect();
-        let threads = hands.len();
-        for (number, pass) in subject.hand_out().into_iter().enumerate() {
-            hands[number % threads].push(pass);
-        }
-        let rooms = subject.rooms().to_vec();
-        let (stop, ready) = (AtomicBool::new(false), Barrier::new(threads + 1));
+    /// Soaks one subject, and counts what is done into `done`. It is made in the
+    /// revoker's place, so that threads of its own run there too.
+    pub(crate) fn soak<S: Subject>(
+        self,
+        make: fn() -> Outcome<S>,
+        done: &AtomicU64,
+    ) -> Outcome<Tally> {
         thread::scope(|scope| {
-            let (stop, ready) = (&stop, &ready);
-            let holders: Vec<_> = (1..)
-                .zip(hands)
-                .map(|(number, passes)| {
-                    let dice = Dice::new(self.seed, number);
-                    scope.spawn(move || hammer(self.place, &passes, dice, ready, stop))
-                })
-                .collect();
-            let revoker = scope.spawn(move || {
-                let revoked = self.revoke(subject, ready, done);
-                stop.store(true, Ordering::Relaxed);
-                revoked
-            });
-            let mut tally = revoker.join().map_err(|_| "the revoker panicked")?;
-            for holder in holders {
-                let held = holder.join().map_err(|_| "a holder panicked")??;
-                tally = tally.map_err(|why| held.explain(why));
-                tally = tally.map(|tally| tally.and(held.tally));
-            }
-            tally.map(|tally| Tally { late: rooms.iter().map(|room| room.late()).sum(), ..tally })
+            let revoker = scope.spawn(move || self.revoke(make, done));
+            revoker.join().map_err(|_| "the revoker panicked")?
         })
     }
 
-    fn revoke(self, subject: impl Subject, ready: &Barrier, done: &AtomicU64) -> Outcome<Tally> {
-        let set_up = self.place.set_up_revoker();
-        for room in subject.rooms() {
-            room.set_bell(thread::current());
-        }
-        ready.wait();
-        set_up?;
-        let (dice, tally) = (Dice::new(self.seed, 0), Tally::default());
-        let mut revoker = Revoker { drive: self, subject, dice, tally };
-        for _ in 0..self.revocations {
-            revoker.round()?;
-            done.fetch_add(1, Ordering::Relaxed);
-        }
-        Ok(revoker.tally)
+    fn revoke<S: Subject>(self, make: fn() -> Outcome<S>, done: &AtomicU64) -> Outcome<Tally> {
+        self.place.set_up_revoker()?;
+        let mut subject = make()?;
+        let rooms = subject.rooms().to_vec();
+        rooms.iter().for_each(|room| room.set_bell(thread::current()));
+        let hands = hands(subject.hand_out(), self.place.holders());
+        let orders = subject.orders();
+        let stop = AtomicBool::new(false);
+        thread::scope(|scope| {
+            let stop = &stop;
+            let mut holders = Vec::new();
+            for (number, passes) in (1..).zip(hands) {
+                let (dice, place) = (Dice::new(self.seed, number), self.place);
+                let holder =
+                    Hammer { place, orders, dice, held: Held::default(), refused_in_a_row: 0 };
+                holders.push(scope.spawn(move || holder.hammer(&passes, stop)));
+            }
+            let dice = Dice::new(self.seed, 0);
+            let mut revoker = Revoker { drive: self, subject, dice, tally: Tally::default() };
+            let revoked = (0..self.revocations).try_for_each(|_| {
+                done.fetch_add(1, Ordering::Relaxed);
+                revoker.round()
+            });
+            stop.store(true, Ordering::Relaxed);
+            let mut held = Held::default();
+            for holder in holders {
+                held = held.and(holder.join().map_err(|_| "a holder panicked")??);
+            }
+            revoked.map_err(|why| held.explain(&why))?;
+            let commands: u64 = rooms.iter().map(|room| room.commands()).sum();
+            let late = rooms.iter().map(|room| room.late()).sum();
+            let by_store = held.admitted.saturating_sub(commands);
+            let Held { admitted, refused, .. } = held;
+            Ok(Tally { admitted, refused, late, by_store, ..revoker.tally })
+        })
     }
+}
+
+/// The passes, dealt to so many threads.
+fn hands<P>(passes: Vec<P>, threads: usize) -> Vec<Vec<P>> {
+    let mut hands: Vec<Vec<P>> = (0..threads).map(|_| vec![]).collect();
+    for (number, pass) in passes.into_iter().enumerate() {
+        hands[number % threads].push(pass);
+    }
+    hands
 }
 
 struct Revoker<S> {
@@ -123,30 +142,44 @@ impl<S: Subject> Revoker<S> {
     fn round(&mut self) -> Outcome<()> {
         let place = self.drive.place;
         let aim = self.subject.aim(&mut self.dice)?;
-        let hit: Vec<(usize, &'static Room)> = self.rooms(aim);
-        for (_, room) in &hit {
-            self.wait_until_used(room)?;
-        }
+        self.each(aim, |revoker, _, room| revoker.wait_until_used(room))?;
         place.linger(&mut self.dice);
-        self.tally.caught += u64::from(hit.iter().any(|(_, room)| room.is_occupied()));
+        self.each(aim, |revoker, _, room| {
+            revoker.tally.caught += u64::from(room.is_occupied());
+            Ok(())
+        })?;
         self.subject.revoke()?;
         if !self.drive.skip_quiescence {
             self.subject.quiesce()?;
         }
-        hit.iter().for_each(|(_, room)| room.close());
+        self.each(aim, |_, _, room| {
+            room.close();
+            Ok(())
+        })?;
         place.watch(&mut self.dice);
-        for (number, room) in &hit {
-            room.open_for(self.subject.next(*number, &mut self.dice));
-        }
+        self.each(aim, |revoker, number, room| {
+            room.open_for(revoker.subject.next(number, &mut revoker.dice));
+            Ok(())
+        })?;
         self.subject.admit()?;
         self.tally.revocations += 1;
         self.tally.hit += u64::from(aim.count_ones());
         Ok(())
     }
 
-    fn rooms(&self, aim: u32) -> Vec<(usize, &'static Room)> {
-        let rooms = self.subject.rooms().iter().copied().enumerate();
-        rooms.filter(|(number, _)| aim & (1 << number) != 0).collect()
+    /// Does something in each room that is aimed at.
+    fn each(
+        &mut self,
+        aim: u32,
+        mut f: impl FnMut(&mut Self, usize, &'static Room) -> Outcome<()>,
+    ) -> Outcome<()> {
+        for number in 0..self.subject.rooms().len() {
+            let room = self.subject.rooms()[number];
+            if aim & (1 << number) != 0 {
+                f(self, number, room)?;
+            }
+        }
+        Ok(())
     }
 
     /// A revocation counts only if its ticket was valid. That its holder has had
@@ -156,58 +189,12 @@ impl<S: Subject> Revoker<S> {
         while !room.is_used() {
             self.drive.place.wait(turn, &mut self.dice);
             turn = turn.wrapping_add(1);
-            if turn.is_multiple_of(1024) && since.get_or_insert_with(Instant::now).elapsed() > STARVED
+            if turn.is_multiple_of(1024)
+                && since.get_or_insert_with(Instant::now).elapsed() > STARVED
             {
                 return Err("a holder that was let in had no command admitted: Open Door".into());
             }
         }
         Ok(())
     }
-}
-
-/// What a holder's thread saw.
-struct Held {
-    tally: Tally,
-    last: Option<Refusal>,
-}
-
-impl Held {
-    fn explain(&self, why: crate::subject::Failure) -> crate::subject::Failure {
-        match self.last {
-            Some(last) => format!("{why}; the latest refusal of a holder: {last}").into(),
-            None => why,
-        }
-    }
-}
-
-fn hammer<P: Pass>(
-    place: Place,
-    passes: &[P],
-    mut dice: Dice,
-    ready: &Barrier,
-    stop: &AtomicBool,
-) -> Outcome<Held> {
-    let set_up = place.set_up_holder();
-    ready.wait();
-    set_up?;
-    let mut held = Held { tally: Tally::default(), last: None };
-    // Relaxed: it says nothing about other memory.
-    while !stop.load(Ordering::Relaxed) {
-        for pass in passes {
-            let steps = u16::try_from(dice.below(16)).unwrap_or(0);
-            let order = Order { holder: pass.holder(), steps, ring: place.rings(&mut dice) };
-            match pass.invoke(order) {
-                Ok(()) => {
-                    held.tally.admitted += 1;
-                    place.think(&mut dice);
-                }
-                Err(refused) => {
-                    held.tally.refused += 1;
-                    held.last = refused.why;
-                    place.after_refusal(&mut dice);
-                }
-            }
-        }
-    }
-    Ok(held)
 }

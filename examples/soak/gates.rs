@@ -9,17 +9,16 @@ use faregate::runtime::contain::Caught;
 use faregate::tickets::gate::{Admission, Gate, Key};
 use faregate::tickets::lock::Strategy;
 use faregate::tickets::platform::Platform;
-use faregate::tickets::recorder::NoLane;
+use faregate::tickets::recorder::{NoLane, Unrecorded};
 use faregate::tickets::scope::Scope;
 use faregate::tickets::standing::{Stamp, Standing};
 use faregate::tickets::ticket::{Holder, Issuer, Seat};
 use faregate_devices_sim::Dice;
 
+use crate::driver::{Driver, PATIENCE};
 use crate::room::{Order, Room};
-use crate::subject::{Outcome, Pass, Refused, Subject};
-
-/// Longer than any host keeps a thread from running.
-const PATIENCE: Duration = Duration::from_secs(20);
+use crate::strategies::Soaked;
+use crate::subject::{Orders, Outcome, Pass, Subject};
 
 /// The ports of a host, with the lock that is soaked.
 #[derive(Debug)]
@@ -32,66 +31,35 @@ impl<S: Strategy> Platform for Ports<S> {
     type Containment = Caught;
 }
 
-/// The driver: it does what it is told in its room.
-#[derive(Debug)]
-pub(crate) struct Worker(pub(crate) &'static Room);
-
-impl Device for Worker {
-    type Command = Order;
-    type Response = ();
-    type Fault = ();
-
-    /// Declared so slow that a host under load makes no gate faulted.
-    fn profile(&self) -> Profile {
-        let mut profile = Profile::new();
-        profile.longest_command = PATIENCE;
-        profile.longest_safing = PATIENCE;
-        profile
-    }
-
-    fn declare(_: &Order) -> Declaration {
-        Declaration { code: 1, wcet: PATIENCE, effect: Effect::Unchanged }
-    }
-
-    fn issue(&mut self, order: Order) -> Result<(), ()> {
-        self.0.obey(order);
-        Ok(())
-    }
-
-    fn safe(&mut self) -> Result<(), ()> {
-        Ok(())
-    }
-}
-
 /// Tickets are kept until the program ends.
 #[derive(Debug)]
 struct Nobody;
 
 impl Issuer for Nobody {
-    fn relinquish(&self, _: &Seat<'_>, _: u32, _: Holder) {}
+    fn relinquish(&self, _: &Seat<'_>, _: Unrecorded, _: Holder) {}
 }
 
-type Paper<S> = faregate::tickets::Ticket<'static, Worker, Ports<S>, Nobody>;
+type Paper<S, D> = faregate::tickets::Ticket<'static, D, Ports<S>, Nobody>;
 
 /// A gate with some tickets, and who is its tenant.
-struct Post<S: Strategy> {
+struct Post<S: Strategy, D: Driver + 'static> {
     key: Key<'static>,
     agent: &'static Scope,
     broker: &'static Scope,
     /// Twins of what the holders have, with the standing of both.
-    grants: Vec<(Paper<S>, &'static Standing)>,
+    grants: Vec<(Paper<S, D>, &'static Standing)>,
     tenure: usize,
     tenant: usize,
 }
 
-impl<S: Strategy> Post<S> {
+impl<S: Strategy, D: Driver + 'static> Post<S, D> {
     /// A gate with so many tickets, and a second ticket of each grant.
     fn new(
         room: &'static Room,
         broker: &'static Scope,
         tickets: u16,
-    ) -> Outcome<(Self, Vec<Paper<S>>)> {
-        let gate = Gate::<_, Ports<S>>::new(Worker(room), MonotonicClock::new(), NoLane);
+    ) -> Outcome<(Self, Vec<Paper<S, D>>)> {
+        let gate = Gate::<_, Ports<S>>::new(D::new(room), MonotonicClock::new(), NoLane);
         let (key, handle) = Box::leak(Box::new(gate)).key().split();
         let agent: &Scope = Box::leak(Box::default());
         let (mut grants, mut twins) = (Vec::new(), Vec::new());
@@ -142,25 +110,30 @@ enum Way {
 const WAYS: [Way; 5] =
     [Way::Preempt, Way::Bar, Way::AgentSafeMode, Way::BrokerSafeMode, Way::AllButMe];
 
-/// One gate behind the strategy `S`, and who revokes its tickets.
-pub(crate) struct Gates<S: Strategy> {
+/// One gate behind the strategy `S` with a driver `D`, and who revokes its
+/// tickets.
+pub(crate) struct Gates<S: Strategy, D: Driver + 'static> {
     rooms: [&'static Room; 1],
-    post: Post<S>,
+    post: Post<S, D>,
     /// Where the revoker has a ticket of its own, for all but me.
-    own: Post<S>,
-    passes: Vec<GatePass<S>>,
+    own: Post<S, D>,
+    passes: Vec<GatePass<S, D>>,
     way: Way,
     by_passing: bool,
     next: usize,
 }
 
-impl<S: Strategy> Gates<S> {
-    pub(crate) fn new() -> Outcome<Self> {
+impl<S: Strategy, D: Driver + 'static> Gates<S, D> {
+    pub(crate) fn new() -> Outcome<Self>
+    where
+        S: Soaked,
+    {
+        S::check()?;
         let room = Room::leaked();
         let broker: &Scope = Box::leak(Box::default());
         let (mut post, tickets) = Post::new(room, broker, 2)?;
         let (own, _) = Post::new(Room::leaked(), broker, 1)?;
-        let passes = (1..).zip(tickets).map(|(holder, ticket)| GatePass { holder, ticket });
+        let passes = (1..).zip(tickets).map(|(holder, ticket)| GatePass { holder, room, ticket });
         let passes = passes.collect();
         room.open_for(1);
         post.admit(0)?;
@@ -169,14 +142,18 @@ impl<S: Strategy> Gates<S> {
     }
 }
 
-impl<S: Strategy> Subject for Gates<S> {
-    type Pass = GatePass<S>;
+impl<S: Strategy, D: Driver + 'static> Subject for Gates<S, D> {
+    type Pass = GatePass<S, D>;
+
+    fn orders(&self) -> Orders {
+        D::ORDERS
+    }
 
     fn rooms(&self) -> &[&'static Room] {
         &self.rooms
     }
 
-    fn hand_out(&mut self) -> Vec<GatePass<S>> {
+    fn hand_out(&mut self) -> Vec<GatePass<S, D>> {
         std::mem::take(&mut self.passes)
     }
 
@@ -236,17 +213,22 @@ impl<S: Strategy> Subject for Gates<S> {
 }
 
 /// A holder's ticket.
-pub(crate) struct GatePass<S: Strategy> {
+pub(crate) struct GatePass<S: Strategy, D: Driver + 'static> {
     holder: u8,
-    ticket: Paper<S>,
+    room: &'static Room,
+    ticket: Paper<S, D>,
 }
 
-impl<S: Strategy> Pass for GatePass<S> {
+impl<S: Strategy, D: Driver + 'static> Pass for GatePass<S, D> {
     fn holder(&self) -> u8 {
         self.holder
     }
 
-    fn invoke(&self, order: Order) -> Result<(), Refused> {
-        self.ticket.invoke(order).map_err(|error| Refused { why: error.refusal() })
+    fn room(&self) -> &'static Room {
+        self.room
+    }
+
+    fn invoke(&self, order: Order) -> Result<(), Option<Refusal>> {
+        self.ticket.invoke(order).map_err(|error| error.refusal())
     }
 }

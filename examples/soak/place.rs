@@ -4,6 +4,8 @@ use std::hint::spin_loop;
 use std::thread;
 use std::time::Duration;
 
+#[cfg(target_os = "linux")]
+use faregate::runtime::realtime::{RealTime, Report};
 use faregate_devices_sim::Dice;
 
 use crate::subject::Outcome;
@@ -11,8 +13,9 @@ use crate::subject::Outcome;
 /// Where the threads run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Place {
-    /// Wherever the host puts them; the revoker spins for its holders.
-    AllCores,
+    /// Wherever the host puts them; the revoker spins for its holders. Unless
+    /// they are to be ordinary threads, no other program comes between them.
+    AllCores { ordinary: bool },
     /// On this processor. The revoker is the more important thread, and sleeps:
     /// a command wakes it from inside, or a timer at any point of a holder.
     OneCpu(usize),
@@ -21,22 +24,21 @@ pub(crate) enum Place {
 /// The scheduler's priorities on one processor.
 const REVOKER: u8 = 20;
 const HOLDER: u8 = 10;
+
 const FAR: Duration = Duration::from_millis(50);
+
+/// In turns of a spin, at most.
 const THINK: u64 = 64;
+const LINGER: u64 = 128;
 
 impl Place {
-    pub(crate) fn title(self) -> &'static str {
-        match self {
-            Self::AllCores => "all cores",
-            Self::OneCpu(_) => "one CPU",
-        }
-    }
-
     /// How many subjects are soaked at once: each has a revoker that spins and
     /// a holder that hammers.
     pub(crate) fn subjects(self) -> usize {
         match self {
-            Self::AllCores => thread::available_parallelism().map_or(1, |n| (n.get() / 2).max(1)),
+            Self::AllCores { .. } => {
+                thread::available_parallelism().map_or(1, |n| (n.get() / 2).max(1))
+            }
             Self::OneCpu(_) => 1,
         }
     }
@@ -45,23 +47,26 @@ impl Place {
     /// each other when they are refused.
     pub(crate) fn holders(self) -> usize {
         match self {
-            Self::AllCores => 1,
+            Self::AllCores { .. } => 1,
             Self::OneCpu(_) => 2,
         }
     }
 
     pub(crate) fn set_up_revoker(self) -> Outcome<()> {
-        self.set_up(REVOKER)
+        match self {
+            Self::AllCores { ordinary: true } => Ok(()),
+            // The same as the holders': where there is one processor for both,
+            // they take turns.
+            Self::AllCores { ordinary: false } => fifo(HOLDER),
+            Self::OneCpu(cpu) => pin(cpu, REVOKER),
+        }
     }
 
     pub(crate) fn set_up_holder(self) -> Outcome<()> {
-        self.set_up(HOLDER)
-    }
-
-    fn set_up(self, priority: u8) -> Outcome<()> {
         match self {
-            Self::AllCores => Ok(()),
-            Self::OneCpu(cpu) => pin(cpu, priority),
+            Self::AllCores { ordinary: true } => Ok(()),
+            Self::AllCores { ordinary: false } => fifo(HOLDER),
+            Self::OneCpu(cpu) => pin(cpu, HOLDER),
         }
     }
 
@@ -69,8 +74,8 @@ impl Place {
     /// what they were given.
     pub(crate) fn wait(self, turn: u32, dice: &mut Dice) {
         match self {
-            Self::AllCores if turn % 4096 == 4095 => thread::yield_now(),
-            Self::AllCores => spin_loop(),
+            Self::AllCores { .. } if turn % 4096 == 4095 => thread::yield_now(),
+            Self::AllCores { .. } => spin_loop(),
             // A timer that is far away costs little; a near one comes anywhere.
             Self::OneCpu(_) if dice.below(2) > 0 => thread::park_timeout(FAR),
             Self::OneCpu(_) => thread::park_timeout(Duration::from_micros(2 + dice.below(16))),
@@ -79,22 +84,28 @@ impl Place {
 
     /// What a holder does between two commands.
     pub(crate) fn think(self, dice: &mut Dice) {
-        if self == Self::AllCores && dice.below(4) > 0 {
-            (0..dice.below(THINK)).for_each(|_| spin_loop());
+        match self {
+            Self::AllCores { .. } if dice.below(4) > 0 => {
+                (0..dice.below(THINK)).for_each(|_| spin_loop());
+            }
+            Self::AllCores { .. } => {}
+            // On one processor another holder may wait for its turn.
+            Self::OneCpu(_) if dice.below(8) == 0 => thread::yield_now(),
+            Self::OneCpu(_) => {}
         }
     }
 
     /// Some time more before the revocation, so that it falls anywhere.
     pub(crate) fn linger(self, dice: &mut Dice) {
-        if self == Self::AllCores {
-            (0..dice.below(64)).for_each(|_| spin_loop());
+        if let Self::AllCores { .. } = self {
+            (0..dice.below(LINGER)).for_each(|_| spin_loop());
         }
     }
 
     /// Some time with the door shut, in which holders try it.
     pub(crate) fn watch(self, dice: &mut Dice) {
         match self {
-            Self::AllCores => (0..dice.below(16)).for_each(|_| spin_loop()),
+            Self::AllCores { .. } => (0..dice.below(16)).for_each(|_| spin_loop()),
             Self::OneCpu(_) if dice.below(8) == 0 => {
                 thread::park_timeout(Duration::from_micros(2 + dice.below(10)));
             }
@@ -103,16 +114,23 @@ impl Place {
     }
 
     /// What a holder does after a refusal, before it tries again.
-    pub(crate) fn after_refusal(self, dice: &mut Dice) {
-        match self {
-            Self::AllCores => (0..dice.below(16)).for_each(|_| spin_loop()),
-            Self::OneCpu(_) => thread::yield_now(),
-        }
+    /// One that was refused often in a row tries less often.
+    pub(crate) fn after_refusal(self, in_a_row: u32, dice: &mut Dice) {
+        let doublings = match self {
+            Self::AllCores { .. } => Some(in_a_row),
+            // First it lets the other holder run.
+            Self::OneCpu(_) => {
+                thread::yield_now();
+                in_a_row.checked_sub(4)
+            }
+        };
+        let most = doublings.map_or(0, |doublings| 16_u64 << doublings.min(6));
+        (0..dice.below(most)).for_each(|_| spin_loop());
     }
 
-    /// Whether a command wakes the revoker.
-    pub(crate) fn rings(self, dice: &mut Dice) -> bool {
-        self != Self::AllCores && dice.below(8) == 0
+    /// Whether commands wake the revoker.
+    pub(crate) fn has_bell(self) -> bool {
+        matches!(self, Self::OneCpu(_))
     }
 }
 
@@ -138,7 +156,16 @@ fn last_cpu() -> Outcome<usize> {
 
 #[cfg(target_os = "linux")]
 fn pin(cpu: usize, priority: u8) -> Outcome<()> {
-    let report = faregate::runtime::realtime::RealTime::request().cpu(cpu).fifo(priority).apply();
+    permitted(RealTime::request().cpu(cpu).fifo(priority).apply())
+}
+
+#[cfg(target_os = "linux")]
+fn fifo(priority: u8) -> Outcome<()> {
+    permitted(RealTime::request().fifo(priority).apply())
+}
+
+#[cfg(target_os = "linux")]
+fn permitted(report: Report) -> Outcome<()> {
     if report.is_complete() { Ok(()) } else { Err(report.to_string().into()) }
 }
 
@@ -149,5 +176,10 @@ fn last_cpu() -> Outcome<usize> {
 
 #[cfg(not(target_os = "linux"))]
 fn pin(_: usize, _: u8) -> Outcome<()> {
+    last_cpu().map(|_| ())
+}
+
+#[cfg(not(target_os = "linux"))]
+fn fifo(_: u8) -> Outcome<()> {
     last_cpu().map(|_| ())
 }

@@ -1,19 +1,23 @@
 //! The controls: what is usual, and known to be wrong. The soak must see it.
 
+use std::hint::spin_loop;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use faregate::prelude::Refusal;
 use faregate_devices_sim::Dice;
 use parking_lot::Mutex;
 
 use crate::room::{Order, Room};
-use crate::subject::{Outcome, Pass, Refused, Subject};
+use crate::subject::{Orders, Outcome, Pass, Subject};
 
 /// How a flag guards a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Flagged {
     /// The paper's: the holder looks at its flag, then commands.
     Bare,
+    /// The same, and the command is one store, when it has been composed.
+    BareStore,
     /// The same with a lock around the command. The revoker passes through it,
     /// but the flag is looked at before.
     OutsideTheLock,
@@ -40,6 +44,13 @@ impl Flags {
 impl Subject for Flags {
     type Pass = FlagPass;
 
+    fn orders(&self) -> Orders {
+        match self.kind {
+            Flagged::Bare | Flagged::OutsideTheLock => Orders::Steps,
+            Flagged::BareStore => Orders::ComposedStores,
+        }
+    }
+
     fn rooms(&self) -> &[&'static Room] {
         &self.rooms
     }
@@ -48,6 +59,7 @@ impl Subject for Flags {
         let flags = (1..).zip(&self.flags);
         let pass = |(holder, flag): (u8, &Arc<AtomicBool>)| FlagPass {
             holder,
+            kind: self.kind,
             flag: Arc::clone(flag),
             lock: (self.kind == Flagged::OutsideTheLock).then(|| Arc::clone(&self.lock)),
             room: self.rooms[0],
@@ -85,6 +97,7 @@ impl Subject for Flags {
 /// A holder's flag, and the device itself.
 pub(crate) struct FlagPass {
     holder: u8,
+    kind: Flagged,
     flag: Arc<AtomicBool>,
     lock: Option<Arc<Mutex<()>>>,
     room: &'static Room,
@@ -95,12 +108,31 @@ impl Pass for FlagPass {
         self.holder
     }
 
-    fn invoke(&self, order: Order) -> Result<(), Refused> {
+    fn room(&self) -> &'static Room {
+        self.room
+    }
+
+    fn invoke(&self, order: Order) -> Result<(), Option<Refusal>> {
         if !self.flag.load(Ordering::SeqCst) {
-            return Err(Refused { why: None });
+            return Err(None);
         }
         let _inside = self.lock.as_ref().map(|lock| lock.lock());
-        self.room.obey(order);
+        match self.kind {
+            Flagged::Bare | Flagged::OutsideTheLock => self.room.obey(order),
+            Flagged::BareStore => self.compose_and_store(order),
+        }
         Ok(())
+    }
+}
+
+impl FlagPass {
+    fn compose_and_store(&self, order: Order) {
+        if order.ring {
+            self.room.ring();
+        }
+        (0..order.steps).for_each(|_| spin_loop());
+        if let Some(word) = order.word {
+            self.room.stores.register.store(word, Ordering::SeqCst);
+        }
     }
 }

@@ -5,22 +5,29 @@
 //! any lock. The revoker changes the mark only while the room is said to be
 //! empty: once when it has reached quiescence, and once before it lets the next
 //! holder in. So a command that sees another holder's mark, nobody's, or two
-//! different ones, began or was in progress after quiescence.
+//! different ones, began or was in progress after quiescence. Such a command is
+//! *late*.
 //!
 //! | word | who writes | meaning |
 //! |---|---|---|
 //! | `mark` | the revoker | whose room it is, and how often that changed |
 //! | `used` | the device | the mark under which the latest command began |
 //! | `entered`, `left` | the device | commands begun, and ended |
-//! | `late` | the device | commands that began or were in progress after quiescence |
+//! | `late` | the device, the holders, the revoker | late commands |
+//!
+//! For commands that are one store see [`Stores`].
+
+mod stores;
 
 use std::hint::spin_loop;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread::Thread;
 
+pub(crate) use stores::Stores;
+
 /// Whose room it is between quiescence and the next admission.
-const NOBODY: u8 = 0;
+pub(crate) const NOBODY: u8 = 0;
 
 /// The low bits of a mark are whose room it is; the others count.
 const OWNER_BITS: u32 = 8;
@@ -28,8 +35,9 @@ const OWNER_BITS: u32 = 8;
 /// A room, and what its device saw.
 #[derive(Debug, Default)]
 pub(crate) struct Room {
-    mark: Padded,
+    mark: Mark,
     device: Device,
+    pub(crate) stores: Stores,
     /// Who is woken when a command rings.
     bell: OnceLock<Thread>,
 }
@@ -37,7 +45,7 @@ pub(crate) struct Room {
 /// A word that shares its cache line with no other.
 #[derive(Debug, Default)]
 #[repr(align(128))]
-struct Padded(AtomicU64);
+struct Mark(AtomicU64);
 
 #[derive(Debug, Default)]
 #[repr(align(128))]
@@ -57,6 +65,8 @@ pub(crate) struct Order {
     pub(crate) steps: u16,
     /// Whether it wakes the revoker in the midst of it.
     pub(crate) ring: bool,
+    /// What it stores in the register, if that is all it does.
+    pub(crate) word: Option<u32>,
 }
 
 impl Room {
@@ -73,15 +83,25 @@ impl Room {
         // ordering would be missed in the gate's favour.
         let began = self.mark.0.load(Ordering::SeqCst);
         self.device.used.store(began, Ordering::Release);
-        if order.ring && let Some(revoker) = self.bell.get() {
-            revoker.unpark();
+        if order.ring {
+            self.ring();
         }
         (0..order.steps).for_each(|_| spin_loop());
+        if let Some(word) = order.word {
+            self.stores.register.store(word, Ordering::SeqCst);
+        }
         let ended = self.mark.0.load(Ordering::SeqCst);
         if owner(began) != order.holder || ended != began {
-            self.device.late.fetch_add(1, Ordering::Relaxed);
+            self.note_late();
         }
         self.device.left.fetch_add(1, Ordering::Release);
+    }
+
+    /// Wakes the revoker.
+    pub(crate) fn ring(&self) {
+        if let Some(revoker) = self.bell.get() {
+            revoker.unpark();
+        }
     }
 
     /// Who is woken by commands that ring.
@@ -92,19 +112,33 @@ impl Room {
 
     /// Nobody may be in here any more: for the revoker, once quiescent.
     pub(crate) fn close(&self) {
-        self.open_for(NOBODY);
+        self.stores.seal();
+        self.change_mark(NOBODY);
     }
 
     /// From here on it is this holder's room.
     pub(crate) fn open_for(&self, holder: u8) {
+        if !self.stores.are_as_sealed() {
+            self.note_late();
+        }
+        self.change_mark(holder);
+    }
+
+    fn change_mark(&self, holder: u8) {
         // One thread writes the mark, so what it loads is what it stored.
         let count = (self.mark.0.load(Ordering::SeqCst) >> OWNER_BITS) + 1;
         self.mark.0.store(count << OWNER_BITS | u64::from(holder), Ordering::SeqCst);
     }
 
+    /// Whose room it is.
+    pub(crate) fn owner(&self) -> u8 {
+        owner(self.mark.0.load(Ordering::SeqCst))
+    }
+
     /// Whether its present owner has had a command admitted.
     pub(crate) fn is_used(&self) -> bool {
         self.device.used.load(Ordering::Acquire) == self.mark.0.load(Ordering::Relaxed)
+            || self.stores.are_used_by(self.owner())
     }
 
     /// Whether a command is in progress. `true` was so at some instant during
@@ -112,12 +146,22 @@ impl Room {
     pub(crate) fn is_occupied(&self) -> bool {
         // In this order: what had entered and has still not left is inside.
         let entered = self.device.entered.load(Ordering::Acquire);
-        self.device.left.load(Ordering::Acquire) < entered
+        self.device.left.load(Ordering::Acquire) < entered || self.stores.are_tried(self.owner())
     }
 
-    /// How many commands began or were in progress after quiescence.
+    /// A command began or was in progress after quiescence.
+    pub(crate) fn note_late(&self) {
+        self.device.late.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// How many did.
     pub(crate) fn late(&self) -> u64 {
         self.device.late.load(Ordering::Relaxed)
+    }
+
+    /// How many commands the device was given, and did not only have stored.
+    pub(crate) fn commands(&self) -> u64 {
+        self.device.entered.load(Ordering::Relaxed)
     }
 }
 
@@ -129,7 +173,7 @@ fn owner(mark: u64) -> u8 {
 mod tests {
     use super::*;
 
-    const ORDER: Order = Order { holder: 1, steps: 0, ring: false };
+    const ORDER: Order = Order { holder: 1, steps: 0, ring: false, word: None };
 
     #[test]
     fn the_owners_command_is_not_late_and_uses_the_room() {
@@ -165,5 +209,51 @@ mod tests {
         assert!(room.is_occupied(), "the command is too short for this test");
         long.join().unwrap();
         assert_eq!((room.is_occupied(), room.late()), (false, 1));
+    }
+
+    fn store(room: &Room, holder: u8, number: u32) {
+        let word = Stores::word(holder, number);
+        room.stores.register.store(word, Ordering::SeqCst);
+        room.vouch(holder, word);
+    }
+
+    #[test]
+    fn stores_within_a_tenure_are_not_late_and_use_the_room() {
+        let room = Room::default();
+        room.open_for(1);
+        assert!(!room.is_used());
+        store(&room, 1, 1);
+        assert!(room.is_used());
+        room.close();
+        // The holder was kept from running between its store and its vouching.
+        room.vouch(1, Stores::word(1, 1));
+        room.open_for(2);
+        room.vouch(1, Stores::word(1, 1));
+        assert_eq!((room.is_used(), room.late()), (false, 0));
+    }
+
+    #[test]
+    fn a_store_into_a_closed_room_is_late_even_if_its_holder_never_vouches() {
+        let room = Room::default();
+        room.open_for(1);
+        store(&room, 1, 1);
+        room.close();
+        room.stores.register.store(Stores::word(1, 2), Ordering::SeqCst);
+        room.open_for(1);
+        assert_eq!(room.late(), 1);
+    }
+
+    #[test]
+    fn a_store_into_anothers_room_is_late_even_if_it_is_overwritten() {
+        let room = Room::default();
+        room.open_for(1);
+        store(&room, 1, 1);
+        room.close();
+        room.open_for(2);
+        let late = Stores::word(1, 2);
+        room.stores.register.store(late, Ordering::SeqCst);
+        store(&room, 2, 1);
+        room.vouch(1, late);
+        assert_eq!(room.late(), 1);
     }
 }

@@ -2,6 +2,7 @@
 
 use std::error::Error;
 
+use faregate::prelude::Refusal;
 use faregate_devices_sim::Dice;
 
 use crate::room::{Order, Room};
@@ -15,9 +16,12 @@ pub(crate) type Outcome<T> = Result<T, Failure>;
 /// A gate or several, their holders' passes, and the authority to revoke them.
 /// The revoker's thread has it, and calls its steps in the order in which they
 /// stand here.
-pub(crate) trait Subject: Send {
+pub(crate) trait Subject: Sized {
     /// What a holder has.
     type Pass: Pass;
+
+    /// What its holders command.
+    fn orders(&self) -> Orders;
 
     /// The rooms behind its gates.
     fn rooms(&self) -> &[&'static Room];
@@ -42,21 +46,28 @@ pub(crate) trait Subject: Send {
     fn admit(&mut self) -> Outcome<()>;
 }
 
+/// What holders command.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Orders {
+    /// Commands that take some steps, of which some wake the revoker.
+    Steps,
+    /// Stores, and now and then such a command.
+    Stores,
+    /// Stores that are composed in some steps before, and may wake the revoker.
+    ComposedStores,
+}
+
 /// What a holder has.
 pub(crate) trait Pass: Send {
-    /// Its number in orders.
+    /// The holder's number in orders.
     fn holder(&self) -> u8;
+
+    /// Where its commands are carried out.
+    fn room(&self) -> &'static Room;
 
     /// Gives a command, if it is admitted.
     ///
     /// # Errors
-    /// Why it was not.
-    fn invoke(&self, order: Order) -> Result<(), Refused>;
-}
-
-/// A command was not admitted.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Refused {
-    /// Why, where the subject says so.
-    pub(crate) why: Option<faregate::prelude::Refusal>,
+    /// It was not; why, where the subject can say so.
+    fn invoke(&self, order: Order) -> Result<(), Option<Refusal>>;
 }
