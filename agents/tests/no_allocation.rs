@@ -1,108 +1,92 @@
-//! **No Allocation**: once gates and broker are built, nothing allocates.
+//! **No Allocation**: nothing calls the allocator, neither to get memory nor to
+//! give it back. Each public operation is measured on a fresh thread.
 
 mod bench;
+#[path = "no_allocation/brokers.rs"]
+mod brokers;
+#[path = "no_allocation/mechanism.rs"]
+mod mechanism;
+#[path = "no_allocation/meter.rs"]
+mod meter;
 #[path = "no_allocation/sys.rs"]
 mod sys;
 
-use bench::{Caught, Hands, Lamp, Switch, TICK, Truth, drawing, leak, margin};
-use faregate_agents::{Broker, Handle};
-use faregate_tickets::amount::Microjoules;
-use faregate_tickets::clock::{Clock, Duration};
-use faregate_tickets::device::{Estimate, Power};
-use faregate_tickets::id::Priority;
+use bench::{Caught, Hands};
+use faregate_tickets::Platform;
 use faregate_tickets::lock::Locked;
-use faregate_tickets::notify::NoNotify;
-use faregate_tickets::recorder::NoLane;
-use faregate_tickets::validity::{Function, Validity};
-use faregate_tickets::{Gate, Platform};
-use sys::{ALLOCATIONS, Counting};
+use faregate_tickets::recorder::{Lane, Record};
 
 #[global_allocator]
-static ALLOCATOR: Counting = Counting;
+static ALLOCATOR: sys::Counting = sys::Counting;
 
-/// How often this thread allocated meanwhile.
-fn allocations(f: impl FnOnce()) -> usize {
-    let before = ALLOCATIONS.get();
-    f();
-    ALLOCATIONS.get() - before
+/// A recorder lane with room for a few records, in place: the test's own tape
+/// allocates.
+#[derive(Debug)]
+struct Bounded {
+    latest: heapless::Deque<Record, 8>,
+    lost: usize,
 }
 
-/// A platform whose recorder keeps nothing: the test's own tape allocates.
+impl Bounded {
+    fn new() -> Self {
+        Self { latest: heapless::Deque::new(), lost: 0 }
+    }
+}
+
+impl Lane for Bounded {
+    fn record(&mut self, record: Record) {
+        if self.latest.push_back(record).is_err() {
+            self.lost += 1;
+        }
+    }
+}
+
+/// The platform that is measured.
 #[derive(Debug)]
 struct Silent;
 
 impl Platform for Silent {
     type Strategy = Locked<parking_lot::RawMutex, parking_lot::RawThreadId>;
     type Clock = &'static Hands;
-    type Lane = NoLane;
+    type Lane = Bounded;
     type Containment = Caught;
 }
 
-type SilentBroker = Broker<'static, Silent, NoNotify, 4, 8, 2>;
-type SilentLamp = Handle<'static, Lamp, Silent>;
-
 #[test]
-fn the_count_counts() {
-    assert_eq!(allocations(|| drop(Box::new(1))), 1);
+fn no_ticket_key_or_validity_function_allocates() {
+    mechanism::measure();
 }
 
 #[test]
 fn nothing_allocates_after_construction() {
-    let clock: &'static Hands = leak(Hands::default());
-    let mut broker = Box::new(SilentBroker::new(clock, NoLane, NoNotify));
-    let policy = margin(16).with_categories().with_energy(Microjoules::from_joules(9));
-    let agent = broker.agent(policy).unwrap();
-    let supervisor = broker.supervisor();
-    let lamps: [SilentLamp; 3] = [8, 8, 8].map(|draw| {
-        let truth: &'static Truth = leak(Truth::default());
-        let gate: &'static mut Gate<'static, Lamp, Silent> =
-            leak(Gate::new(Lamp::new(truth, drawing(draw)), clock, NoLane));
-        broker.register(agent, gate.key()).unwrap()
-    });
-    let pass = |time: Duration| {
-        broker.service();
-        clock.advance(time);
-        for lamp in &lamps {
-            let estimate = Estimate { state: Power::Off, measured_at: clock.now() };
-            broker.observe(lamp.gate(), estimate);
-        }
-        broker.service();
-    };
-    let limited = |lamp: usize| lamps[lamp].limited(Function::energy(Microjoules::from_joules(3)));
+    brokers::measure();
+}
 
-    let everything = || {
-        pass(TICK);
-        let low = broker.request(Priority::LEAST, &limited(0)).unwrap();
-        broker.service();
-        low.invoke(Switch::On).unwrap();
-        low.renew().unwrap();
-        let refused = broker.request(Priority::LEAST, &(limited(1), limited(2), limited(0)));
-        assert!(refused.is_err());
-        let unlimited = |lamp: usize| lamps[lamp].limited(Validity::always());
-        let set = broker.request(Priority::SCIENCE, &(unlimited(1), unlimited(2))).unwrap();
-        assert!(low.invoke(Switch::On).is_err() && low.try_invoke(Switch::On).is_err());
-        pass(TICK);
-        set.0.invoke(Switch::On).unwrap();
-        assert!(set.0.invoke(Switch::Fault).is_err());
-        pass(TICK);
-        broker.reset_gate(&supervisor, lamps[1].gate()).unwrap();
-        pass(TICK);
-        broker.bar(&supervisor, set.0.id()).unwrap().quiesce().unwrap();
-        pass(TICK);
-        broker.reinstate(&supervisor, set.0.id()).unwrap();
-        let _ = broker.revoke_all_but_me(&supervisor, &low, Priority::SCIENCE).unwrap().0;
-        pass(TICK);
-        broker.leave_safe_mode(&supervisor).unwrap();
-        pass(TICK);
-        drop(set);
-        pass(TICK);
-        let more = broker.extend(&low, &unlimited(1)).unwrap();
-        pass(Duration::from_secs(2));
-        assert!(low.check().is_err() && more.check().is_err(), "the lease is over");
-        broker.set_supply(&supervisor, agent, bench::watts(15)).unwrap();
-        broker.set_supply(&supervisor, agent, bench::watts(16)).unwrap();
-    };
-    assert_eq!(allocations(everything), 0);
-    let seats = broker.books().map(|books| books.free_seats());
-    assert_eq!(seats, Some(8), "it did all that");
+#[test]
+fn the_count_counts() {
+    assert_eq!(meter::counted(|| drop(Box::new(1))).1, 2, "it is got and given back");
+    assert_eq!(meter::counted(|| Vec::from([1_u8; 9])).1, 1);
+    let grown = |mut bytes: Vec<u8>| bytes.extend([1; 99]);
+    let bytes = Vec::with_capacity(1);
+    assert_eq!(meter::counted(|| grown(bytes)).1, 3, "growing is both, and then it goes");
+}
+
+#[test]
+#[should_panic(expected = "calls the allocator")]
+fn an_operation_that_allocates_is_found() {
+    meter::Meter::default().op(&["box::new"], || Box::new(1));
+}
+
+#[test]
+#[should_panic(expected = "calls the allocator")]
+fn a_thread_local_that_allocates_at_its_first_use_is_found() {
+    thread_local! { static BOXED: Box<u8> = Box::new(1); }
+    assert_eq!(BOXED.with(|boxed| **boxed), 1);
+    meter::Meter::default().op(&["local::first"], || BOXED.with(|boxed| **boxed));
+}
+
+#[test]
+#[should_panic(expected = "not measured: [\"scope::admits\"")]
+fn a_public_method_that_is_not_measured_is_found() {
+    meter::Meter::default().assert_complete(&["tickets/src/scope.rs"], &[]);
 }
