@@ -293,8 +293,9 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
 
     /// Checks every validity function, then commits every one. Counted before
     /// the driver runs, so that a driver which unwinds has used what it used;
-    /// nobody can look in between.
-    /// Answers the instant that was decided on.
+    /// nobody can look in between. Answers the instant that was decided on.
+    // Always, as `issue`: what is declared is constant where it is inlined.
+    #[inline(always)]
     fn agree(&self, inside: &mut Inside<D, P>, declared: &Declaration) -> Result<Instant, Refusal> {
         if self.exceeds_profile(declared) {
             return Err(Refusal::Undeclared);
