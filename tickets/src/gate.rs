@@ -183,7 +183,12 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
         (is_no_more && way.store(register, word)).then_some(response)
     }
 
-    /// Issues a command if `look` agrees, twice, and the validity function.
+    /// What the way keeps for a ticket that is refused is free for others.
+    pub(crate) fn step_back(&self, way: &WayOf<'_, D, P>) {
+        way.step_back();
+    }
+
+    /// Issues a command if `look`, made inside, and the validity function agree.
     pub(crate) fn invoke(
         &self,
         way: &WayOf<'_, D, P>,
@@ -194,7 +199,6 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
         if cfg!(feature = "mutant-try-lock") {
             return self.try_invoke(way, command, unrecorded, look);
         }
-        look().inspect_err(|_| way.step_back())?;
         let look = self.looking_inside(look);
         way.with(look, Issue { gate: self, command, unrecorded })
             .unwrap_or_else(|shut| Err(self.shut(shut)))?
@@ -208,7 +212,6 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
         unrecorded: &Cell<Unrecorded>,
         look: impl Fn() -> Result<usize, Refusal>,
     ) -> Result<D::Response, InvokeError<D::Fault>> {
-        look().inspect_err(|_| way.step_back())?;
         let look = self.looking_inside(look);
         way.try_with(look, Issue { gate: self, command, unrecorded })
             .unwrap_or_else(|shut| Err(self.shut(shut)))?

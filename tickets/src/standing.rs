@@ -307,6 +307,7 @@ impl Standing {
     }
 
     /// Why the grant with this serial is not valid now.
+    #[inline]
     pub(crate) fn why(&self, serial: usize) -> Why {
         // Acquire: pairs with the Release increments, so the reason read next
         // is at least as new as this epoch.

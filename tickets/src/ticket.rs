@@ -98,6 +98,9 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
             self.unrecorded.set(self.unrecorded.get().and_stored());
             return Ok(response);
         }
+        if let Err(fault) = self.seen() {
+            return self.refuse(fault);
+        }
         let result = self.gate.invoke(&self.way, command, &self.unrecorded, || self.look());
         self.count_refused(&result);
         result
@@ -118,6 +121,9 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
         if let Some(response) = self.gate.store(&self.way, &command) {
             self.unrecorded.set(self.unrecorded.get().and_stored());
             return Ok(response);
+        }
+        if let Err(fault) = self.seen() {
+            return self.refuse(fault);
         }
         let result = self.gate.try_invoke(&self.way, command, &self.unrecorded, || self.look());
         self.count_refused(&result);
@@ -206,12 +212,30 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
         self.look().is_ok()
     }
 
+    /// What the look before the gate comes to, where it does not agree. The
+    /// reason is written where the caller wants it: the holder of a ticket that
+    /// is not valid may try again and again.
+    #[cold]
+    #[inline(never)]
+    fn refuse(&self, fault: usize) -> Result<D::Response, InvokeError<D::Fault>> {
+        self.gate.step_back(&self.way);
+        self.unrecorded.set(self.unrecorded.get().and_refused());
+        Err(InvokeError::Refused(self.explain(fault)))
+    }
+
+    /// The look that counts, inside. Whoever is refused here was revoked since
+    /// the look before: that is rare, and kept out of the way.
+    #[inline(always)]
+    fn look(&self) -> Result<usize, Refusal> {
+        self.seen().map_err(|fault| self.explain_apart(fault))
+    }
+
     /// Whether the ticket is valid: the serial that the gate must have as its
-    /// tenant, and every stamp current.
+    /// tenant, and every stamp current; else the gate's fault, as a code.
     // Always: it is a dozen loads and compares, twice in each invocation, and
     // as a call it would hand its answer over in memory.
     #[inline(always)]
-    fn look(&self) -> Result<usize, Refusal> {
+    fn seen(&self) -> Result<usize, usize> {
         let Seat { id, standing, agent, broker, .. } = self.seat;
         let (tenant, admitted_at) = self.gate.tenant();
         let epoch = broker.epoch();
@@ -221,10 +245,16 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
             && admitted_at == agent.epoch()
             && standing.broker_is_current(id.serial, epoch);
         let fault = self.gate.fault_code();
-        if valid && fault == 0 { Ok(id.serial) } else { Err(self.explain(fault)) }
+        if valid && fault == 0 { Ok(id.serial) } else { Err(fault) }
     }
 
     #[cold]
+    #[inline(never)]
+    fn explain_apart(&self, fault: usize) -> Refusal {
+        self.explain(fault)
+    }
+
+    #[inline]
     fn explain(&self, fault: usize) -> Refusal {
         if let Some(fault) = GateFault::from_code(fault) {
             return Refusal::Faulted(fault);
