@@ -27,14 +27,12 @@
 # Exit code: what is needed is not here.
 BARE_MISSING=3
 
-bare_root() {
-    cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd
-}
+BARE_ROOT=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 
 # The newest feature of the language that we use decides about old compilers.
 bare_is_new_enough() {
     local asked have
-    asked=$(sed -n 's/^rust-version = "1\.\([0-9]*\)".*/\1/p' "$(bare_root)/Cargo.toml")
+    asked=$(sed -n 's/^rust-version = "1\.\([0-9]*\)".*/\1/p' "$BARE_ROOT/Cargo.toml")
     have=$("$1" -V 2>/dev/null | sed -n 's/^rustc 1\.\([0-9]*\)\..*/\1/p')
     [[ -n $have && $have -ge $asked ]]
 }
@@ -116,7 +114,7 @@ bare_how() {
 }
 
 bare_dir() {
-    echo "${CARGO_TARGET_DIR:-$(bare_root)/target}/bare-metal/$1"
+    echo "${CARGO_TARGET_DIR:-$BARE_ROOT/target}/bare-metal/$1"
 }
 
 # Where a linker for bare metal may be: rustup brings one, which is on no PATH.
