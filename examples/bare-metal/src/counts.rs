@@ -81,9 +81,8 @@ fn commands(meter: &Meter, craft: &'static Craft) -> Result<(), Failure> {
     let refused = meter.row("refused: not granted yet", || ticket.invoke(black_box(1))).1;
     claim(refused.is_err(), "a ticket that waits is refused")?;
     craft.broker.service();
-    let obeyed = meter.row("the same command, invoked on a valid ticket", || {
-        ticket.invoke(black_box(1))
-    });
+    let obeyed =
+        meter.row("the same command, invoked on a valid ticket", || ticket.invoke(black_box(1)));
     claim(obeyed.1.is_ok(), "a valid ticket commands")?;
     meter.row("to look whether a ticket is valid", || ticket.check()).1.map_err(|_| BROKEN)?;
     meter.row("service, with nothing to do", || craft.broker.service());
@@ -142,10 +141,9 @@ fn hand_over(meter: &Meter, craft: &'static Craft) -> Result<(), Failure> {
     monitor.invoke(true).map_err(|_| BROKEN)?;
 
     println!("  a hand-over");
-    let (request, emergency) =
-        meter.row("request: the camera's ticket is revoked", || {
-            broker.request(Priority::EMERGENCY, valve)
-        });
+    let (request, emergency) = meter.row("request: the camera's ticket is revoked", || {
+        broker.request(Priority::EMERGENCY, valve)
+    });
     let emergency = emergency.map_err(seat)?;
     claim(monitor.invoke(true).is_err(), "Closed Door: revoked by the request")?;
     let (safe, _) = meter.row("service: quiescent, made safe", || broker.service());

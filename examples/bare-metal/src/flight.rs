@@ -93,8 +93,8 @@ fn shutting(steps: &mut Steps<'_>, emergency: usize) -> Result<Instant, Failure>
     steps.next(Source::Valve, "6 the cutoff valve's gate admits the emergency", |event| {
         matches!(event, Event::Admitted { .. })
     })?;
-    let shut =
-        steps.next(Source::Valve, "6 its coil is on", |event| event == Event::Issued { code: 1 })?;
+    let shut = steps
+        .next(Source::Valve, "6 its coil is on", |event| event == Event::Issued { code: 1 })?;
     claim(shut.record.ticket == emergency, "One Tenant: the emergency commanded it")?;
     Ok(shut.record.at)
 }
@@ -176,7 +176,8 @@ impl<'t> Steps<'t> {
         is_it: impl Fn(Event) -> bool,
     ) -> Result<&'t Entry, Failure> {
         let left = self.entries.get(self.at..).unwrap_or_default();
-        let found = left.iter().position(|entry| entry.source == source && is_it(entry.record.event));
+        let found =
+            left.iter().position(|entry| entry.source == source && is_it(entry.record.event));
         let found = found.ok_or(Failure::Claim(step))?;
         self.at += found + 1;
         let entry = left.get(found).ok_or(Failure::Claim(step))?;

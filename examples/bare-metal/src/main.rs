@@ -23,6 +23,7 @@ mod counts;
 mod craft;
 mod flight;
 mod plant;
+mod sizes;
 mod sys;
 mod tape;
 mod threads;
@@ -31,7 +32,7 @@ use cortex_m::Peripherals;
 use cortex_m_rt::entry;
 use faregate_agents::RegisterError;
 use faregate_tickets::clock::Duration;
-use semihosting::{eprintln, println, process};
+use semihosting::{eprintln, process};
 
 use craft::Craft;
 use flight::Flight;
@@ -83,10 +84,10 @@ fn run() -> Result<(), Failure> {
     for flight in Flight::ALL {
         flight.fly(craft)?;
     }
-    println!("most of the stack that was used: {} bytes", sys::most_stack());
     cortex_m::interrupt::disable();
     threads::stop();
-    counts::print(craft)
+    counts::print(craft)?;
+    sizes::print()
 }
 
 /// Ends with what went wrong.

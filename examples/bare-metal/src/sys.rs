@@ -142,8 +142,9 @@ pub(crate) fn hundred_instructions() {
     unsafe { core::arch::asm!(".rept 100", "nop", ".endr", options(nomem, nostack)) };
 }
 
-/// How much of the stack was ever used, in bytes: what is no longer painted.
-pub(crate) fn most_stack() -> usize {
+/// How much of the stack was ever used, and how much there is, in bytes. What
+/// was never used is still painted.
+pub(crate) fn most_stack() -> (usize, usize) {
     unsafe extern "C" {
         static _stack_start: u32;
         static _stack_end: u32;
@@ -158,7 +159,7 @@ pub(crate) fn most_stack() -> usize {
         let word = unsafe { word.read_volatile() };
         word == cortex_m_rt::STACK_PAINT_VALUE
     });
-    (words - painted.count()) * size_of::<u32>()
+    ((words - painted.count()) * size_of::<u32>(), words * size_of::<u32>())
 }
 
 #[exception]

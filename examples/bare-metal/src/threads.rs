@@ -9,6 +9,7 @@
 //! | [`monitor`] | SysTick | keeps the camera on |
 
 use core::cell::Cell;
+use core::sync::atomic::{AtomicU32, Ordering};
 
 use critical_section::Mutex;
 use faregate_tickets::clock::{Clock, Instant};
@@ -78,6 +79,11 @@ struct Sensors {
     shut: bool,
 }
 
+/// Periods of the sensors since the service last came to its end.
+static BEHIND: AtomicU32 = AtomicU32::new(0);
+/// More of them mean that the processor is too slow for its interrupts.
+const MOST_BEHIND: u32 = 3;
+
 pub(crate) fn sensors() {
     SENSORS.with(|own| {
         PLANT.pass();
@@ -90,6 +96,10 @@ pub(crate) fn sensors() {
         if due.is_some_and(|due| due <= CLOCK.now()) {
             sys::pend_service();
         }
+        // Relaxed: on one core, and nothing else hangs on it.
+        if BEHIND.fetch_add(1, Ordering::Relaxed) > MOST_BEHIND {
+            crate::give_up("the service keeps up with the sensors");
+        }
     });
 }
 
@@ -98,10 +108,7 @@ impl Sensors {
         let measured_at = CLOCK.now();
         let (camera, coil) = PLANT.measure();
         let estimate = |state: Power| Estimate { state, measured_at };
-        [
-            (self.craft.camera.gate(), estimate(camera)),
-            (self.craft.valve.gate(), estimate(coil)),
-        ]
+        [(self.craft.camera.gate(), estimate(camera)), (self.craft.valve.gate(), estimate(coil))]
     }
 
     /// Wakes the rescuer when the spin begins and when it has ended.
@@ -122,6 +129,7 @@ pub(crate) fn service() {
     SERVICE.with(|own| {
         let due = own.craft.broker.service();
         critical_section::with(|masked| DUE.borrow(masked).set(due));
+        BEHIND.store(0, Ordering::Relaxed);
     });
 }
 
