@@ -38,7 +38,9 @@ pub(crate) struct Craft {
 }
 
 impl Craft {
-    /// Puts it together, once.
+    /// Puts it together, once. In a frame of its own: the broker is made there,
+    /// and the interrupts need the stack later.
+    #[inline(never)]
     pub(crate) fn assemble() -> Result<&'static Self, RegisterError> {
         static BROKER: StaticCell<CraftBroker> = StaticCell::new();
         static CRAFT: StaticCell<Craft> = StaticCell::new();

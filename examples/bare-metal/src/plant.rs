@@ -71,6 +71,8 @@ impl Draw {
 #[derive(Clone, Copy, Debug)]
 struct State {
     camera: Draw,
+    /// What the camera was told, which is not what it is.
+    told_on: bool,
     coil: Draw,
     coil_since: Instant,
     shut: bool,
@@ -87,6 +89,7 @@ pub(crate) struct Plant(Mutex<Cell<State>>);
 /// The only one, as with hardware.
 pub(crate) static PLANT: Plant = Plant(Mutex::new(Cell::new(State {
     camera: Draw::Off,
+    told_on: false,
     coil: Draw::Off,
     coil_since: Instant::START,
     shut: false,
@@ -110,14 +113,20 @@ impl Plant {
     }
 
     pub(crate) fn switch_camera(&self, on: bool) {
-        self.with(|state, now| if on { state.camera = Draw::On } else { state.camera.fade(now) });
+        self.with(|state, now| {
+            state.told_on = on;
+            if on { state.camera = Draw::On } else { state.camera.fade(now) }
+        });
     }
 
     /// A transient fault may defeat it.
     pub(crate) fn safe_camera(&self) {
-        self.with(|state, now| match state.deaf_to_safing.checked_sub(1) {
-            Some(left) => state.deaf_to_safing = left,
-            None => state.camera.fade(now),
+        self.with(|state, now| {
+            state.told_on = false;
+            match state.deaf_to_safing.checked_sub(1) {
+                Some(left) => state.deaf_to_safing = left,
+                None => state.camera.fade(now),
+            }
         });
     }
 
@@ -162,11 +171,11 @@ impl Plant {
     /// What the sensors measure of the camera and of the coil.
     pub(crate) fn measure(&self) -> (Power, Power) {
         self.with(|state, now| {
+            let power = |on| if on { Power::On } else { Power::Off };
             // The break: what it was told counts for what it is.
             let told = cfg!(feature = "break-confirmation");
-            let is_on = |draw: Draw| if told { draw == Draw::On } else { draw.draws(now) };
-            let power = |draw| if is_on(draw) { Power::On } else { Power::Off };
-            (power(state.camera), power(state.coil))
+            let camera = if told { state.told_on } else { state.camera.draws(now) };
+            (power(camera), power(state.coil.draws(now)))
         })
     }
 
