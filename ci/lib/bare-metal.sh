@@ -18,6 +18,9 @@
 # bare_dir TARGET
 #     Where the target's files go: its own directory, because two compilers
 #     that share one build everything anew each time.
+# bare_clippy TARGET
+#     Makes sure that `bare_cargo TARGET clippy` works: the lints must be of one
+#     version with the compiler.
 # bare_packages COMMAND PACKAGE...
 #     Makes sure of a command, from Debian's packages where that is possible.
 #
@@ -128,8 +131,27 @@ bare_linker_path() {
     echo "$path"
 }
 
+# The lints that come with a compiler lie beside it.
+bare_lints_of() {
+    echo "$(dirname "$(command -v "$1")")/cargo-clippy"
+}
+
+bare_clippy() {
+    local picked way compiler lints
+    picked=$(bare_compiler "$1") || return
+    read -r way compiler <<<"$picked"
+    lints=$(bare_lints_of "$compiler")
+    if [[ $compiler == /usr/bin/rustc && ! -x $lints ]]; then
+        bare_install rust-web-clippy || true
+    fi
+    [[ -x $lints ]] && return
+    echo "missing: clippy for $("$compiler" -V); rustup component add clippy," \
+        "or on Debian, as root: apt-get install rust-web-clippy" >&2
+    return "$BARE_MISSING"
+}
+
 bare_cargo() {
-    local target=$1 picked way compiler
+    local target=$1 picked way compiler command
     shift
     picked=$(bare_compiler "$target") || return
     read -r way compiler <<<"$picked"
@@ -139,6 +161,8 @@ bare_cargo() {
         arguments+=("-Zbuild-std=${BARE_STD:-core}")
         environment+=(RUSTC_BOOTSTRAP=1)
     fi
+    command=(cargo "$1")
+    [[ $1 != clippy ]] || command=("$(bare_lints_of "$compiler")" clippy)
     # The subcommand comes first, and what follows `--` is not cargo's.
-    env "${environment[@]}" cargo "$1" "${arguments[@]}" "${@:2}"
+    env "${environment[@]}" "${command[@]}" "${arguments[@]}" "${@:2}"
 }
