@@ -25,7 +25,7 @@ pub(crate) fn print() -> Result<(), Failure> {
         (size_of::<OneSetMore>() - BROKER, "each set more, in the broker"),
         (size_of::<Gate<'static, Camera, Ports>>(), "a gate, driver included"),
         (size_of::<TicketFor<Camera>>(), "a ticket, with its holder"),
-        (size_of::<Actions>(), "what a step answers, on the stack"),
+        (size_of::<Actions<GATES>>(), "what a step answers, for 3 gates"),
         (size_of::<Craft>(), "the handles that the threads share"),
     ] {
         println!("  {bytes:>6}  {what}");
