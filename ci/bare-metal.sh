@@ -256,6 +256,8 @@ if bare_packages qemu-system-arm qemu-system-arm && bare_how "$BOARD" >/dev/null
     the_emergency
 else
     skip "the emergency on a Cortex-M4"
+    # What could not be installed once will not be a moment later.
+    export BARE_INSTALL=no
 fi
 build_core
 if bare_how "$WITHOUT_SWAP" >/dev/null 2>&1; then build_without_sections; fi

@@ -24,6 +24,7 @@
 # bare_packages COMMAND PACKAGE...
 #     Makes sure of a command, from Debian's packages where that is possible.
 #
+# BARE_INSTALL=no: nothing is installed (again).
 # BARE_STD names what is built where core is built: core (the default), or std
 # for targets with an operating system.
 
@@ -75,6 +76,7 @@ bare_pick() {
 # Debian's packages, where this is Debian and we may. Quiet where we may not:
 # whoever asked says what is missing.
 bare_install() {
+    [[ ${BARE_INSTALL:-yes} == yes ]] || return "$BARE_MISSING"
     [[ $(id -u) -eq 0 ]] && command -v apt-get >/dev/null || return "$BARE_MISSING"
     echo "installing $*" >&2
     {
