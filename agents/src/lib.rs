@@ -125,6 +125,9 @@
 mod books;
 mod broker;
 pub mod limits;
+#[cfg(feature = "measure")]
+#[doc(hidden)]
+pub mod measure;
 mod policy;
 mod refusal;
 mod roster;

@@ -28,9 +28,6 @@ struct Link {
 
 /// The lines of all gates, linked through one arena: a seat stands in at most
 /// one line.
-///
-/// # Timing
-/// `join`, `leave` and `first` are constant, whatever stands in line.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Rosters<const G: usize, const T: usize> {
     lines: [Line; G],
@@ -63,6 +60,9 @@ impl<const G: usize, const T: usize> Rosters<G, T> {
     }
 
     /// The most important seat in line for the gate, first come first.
+    ///
+    /// # Timing
+    /// Constant, whatever stands in line: four leading-zero counts.
     pub(crate) fn first(&self, gate: usize) -> Option<usize> {
         let line = self.lines.get(gate)?;
         let ends = line.ends.get(line.highest()?)?;
@@ -70,6 +70,9 @@ impl<const G: usize, const T: usize> Rosters<G, T> {
     }
 
     /// Puts the seat at the end of its level.
+    ///
+    /// # Timing
+    /// Constant, whatever stands in line.
     pub(crate) fn join(&mut self, gate: usize, priority: Priority, seat: u16) {
         let level = usize::from(priority.level());
         let Some(line) = self.lines.get_mut(gate) else { return };
@@ -85,6 +88,9 @@ impl<const G: usize, const T: usize> Rosters<G, T> {
     }
 
     /// Takes the seat out of the line that it stands in.
+    ///
+    /// # Timing
+    /// Constant, whatever stands in line.
     pub(crate) fn leave(&mut self, gate: usize, priority: Priority, seat: u16) {
         let level = usize::from(priority.level());
         let Some(&Link { next, previous }) = self.links.get(usize::from(seat)) else { return };
