@@ -8,13 +8,15 @@ use faregate_tickets::device::Profile;
 
 use crate::agency;
 use crate::plant::declared;
-use crate::rescue::{Rescue, Sensing};
+use crate::rescue::Rescue;
+use crate::sensors::Sensing;
 use crate::support::{Bench, Failure, Target};
 
-/// What is declared of the way of an estimate, wake-ups included.
+/// When an estimate of a device at rest has arrived, as declared: the next
+/// measurement may be a period away, and its bringer be woken late.
 const DECLARED_LAG: Lag = Lag::from_millis(20);
-/// How long it is on its way. The rest is for the threads that bring it.
-const LAG: Lag = Lag::from_millis(19);
+const PERIOD: Lag = Lag::from_millis(1);
+const LAG: Lag = Lag::from_millis(18);
 /// Sensors that do not keep to what is declared.
 const LATE: Lag = Lag::from_millis(90);
 const EMERGENCIES: u32 = 50;
@@ -42,7 +44,7 @@ fn control() -> Result<(), Failure> {
 /// The slowest of so many emergencies, and what the library computed.
 fn slowest(lag: Lag, emergencies: u32) -> Result<(Duration, Duration), Failure> {
     let profile = Profile { estimate_lag: DECLARED_LAG, ..declared() };
-    let sensing = Sensing { lag, serves: false };
+    let sensing = Sensing::Periodic { period: PERIOD, lag };
     let rescue = Rescue::new(agency::runtime(1, profile)?, sensing, 0)?;
     let bound = rescue.bound().ok_or("the bound was not computed")?;
     let mut slowest = Duration::ZERO;

@@ -12,6 +12,7 @@ mod floor;
 mod plant;
 mod rescue;
 mod roles;
+mod sensors;
 #[path = "../support/mod.rs"]
 mod support;
 
@@ -19,13 +20,13 @@ use std::cell::RefCell;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use faregate_tickets::clock::Duration as Lag;
 use support::{Bench, Contest, Curve, Entrant, Failure, Series, Target, Times};
 
 use floor::Floor;
 use plant::patient;
-use rescue::{Rescue, Sensing};
+use rescue::Rescue;
 use roles::Role;
+use sensors::Sensing;
 
 /// Emergencies for each round of an ordinary contest: their 99.9th percentile
 /// is looked at.
@@ -34,9 +35,9 @@ const EMERGENCIES: u32 = 3;
 const TICKETS: [usize; 4] = [1, 100, 10_000, 60_000];
 
 /// Sensors without lag; what follows is left to the service thread.
-const SERVED: Sensing = Sensing { lag: Lag::ZERO, serves: false };
+const SERVED: Sensing = Sensing::Woken { serves: false };
 /// Sensors without lag, whose thread does what follows itself.
-const SERVING: Sensing = Sensing { lag: Lag::ZERO, serves: true };
+const SERVING: Sensing = Sensing::Woken { serves: true };
 
 fn main() -> ExitCode {
     support::run("emergency", |bench| {

@@ -3,10 +3,11 @@
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
+use faregate_runtime::clock::MonotonicClock;
 use faregate_runtime::wake::Wakeup;
 use faregate_tickets::amount::Milliwatts;
-use faregate_tickets::clock::Duration;
-use faregate_tickets::device::{Declaration, Device, Effect, Profile};
+use faregate_tickets::clock::{Clock, Duration};
+use faregate_tickets::device::{Declaration, Device, Effect, Estimate, Power, Profile};
 use faregate_tickets::id::GateId;
 
 /// What each device draws.
@@ -43,6 +44,12 @@ impl Plant {
     pub(crate) fn take_safed(&self) -> impl Iterator<Item = GateId> + use<> {
         let safed = self.safed.swap(0, Ordering::SeqCst);
         (0..64).map(GateId).filter(move |gate| safed & bit(*gate) != 0)
+    }
+
+    /// What the sensors say now.
+    pub(crate) fn measure(&self, gate: GateId) -> Estimate {
+        let state = if self.is_on(gate) { Power::On } else { Power::Off };
+        Estimate { state, measured_at: MonotonicClock::new().now() }
     }
 
     fn set(&self, gate: GateId, on: bool) {

@@ -3,27 +3,14 @@
 
 use std::time::{Duration, Instant};
 
-use faregate_agents::DeviceState;
 use faregate_runtime::clock::MonotonicClock;
-use faregate_runtime::host::Host;
-use faregate_tickets::clock::{Clock, Duration as Lag};
-use faregate_tickets::device::{Estimate, Power};
-use faregate_tickets::id::{GateId, Priority};
+use faregate_tickets::clock::{Clock, Duration as Bound};
+use faregate_tickets::id::Priority;
 use faregate_tickets::notify::Notify;
 
 use crate::agency::{Agency, Agents, Handle, TIMEOUT, Ticket};
-use crate::plant::Plant;
-use crate::roles::Role;
+use crate::sensors::{self, Sensing};
 use crate::support::Failure;
-
-/// How the sensors bring what they measure.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Sensing {
-    /// An estimate arrives so long after its measurement.
-    pub(crate) lag: Lag,
-    /// The sensors' thread does what is due then, and leaves it to nobody.
-    pub(crate) serves: bool,
-}
 
 /// A broker, its cameras' tickets, all valid and their cameras on.
 pub(crate) struct Rescue<N, const G: usize, const T: usize, const S: usize>
@@ -48,7 +35,7 @@ where
         sensing: Sensing,
         tickets: usize,
     ) -> Result<Self, Failure> {
-        watch(agency.agents, agency.plant, sensing)?;
+        sensors::start(&agency, sensing)?;
         let mut cameras = agency.devices.clone();
         let cutoff = cameras.pop().ok_or("there is no cutoff valve")?;
         let crowd = tickets.saturating_sub(cameras.len());
@@ -97,7 +84,7 @@ where
         let agents = self.agency.agents;
         while self.cameras.iter().any(|camera| camera.check().is_err()) {
             for device in &self.agency.devices {
-                report(agents, self.agency.plant, device.gate());
+                agents.observe(device.gate(), self.agency.plant.measure(device.gate()));
             }
             agents.service();
             if clock.now() > deadline {
@@ -111,73 +98,7 @@ where
     }
 
     /// The computed bound of this emergency, in one round of victims.
-    pub(crate) fn bound(&self) -> Option<Lag> {
+    pub(crate) fn bound(&self) -> Option<Bound> {
         self.agency.agents.hand_over_bound(self.cutoff.gate(), 1)
-    }
-}
-
-/// What is true of a device now.
-fn measure(plant: &Plant, gate: GateId) -> Estimate {
-    let state = if plant.is_on(gate) { Power::On } else { Power::Off };
-    Estimate { state, measured_at: MonotonicClock::new().now() }
-}
-
-fn report<N: Notify, const G: usize, const T: usize, const S: usize>(
-    agents: &faregate_agents::Broker<'static, Host, N, G, T, S>,
-    plant: &Plant,
-    gate: GateId,
-) {
-    agents.observe(gate, measure(plant, gate));
-}
-
-/// The sensors' thread: woken by each safing, it measures, and brings what it
-/// measured when it has arrived.
-fn watch<N, const G: usize, const T: usize, const S: usize>(
-    agents: &'static Agents<N, G, T, S>,
-    plant: &'static Plant,
-    sensing: Sensing,
-) -> std::io::Result<()>
-where
-    N: Notify + Send + 'static,
-{
-    let sense = move || {
-        while plant.sensors.wait_until(None).is_ok() {
-            for gate in plant.take_safed() {
-                see(agents, plant, gate, sensing);
-            }
-        }
-    };
-    Role::Sensors.start("sensors", sense).map(drop)
-}
-
-/// Again while it does not count: instants are whole microseconds, and one that
-/// is measured in the microsecond of the safing is not later than it.
-fn see<N: Notify, const G: usize, const T: usize, const S: usize>(
-    agents: &Agents<N, G, T, S>,
-    plant: &Plant,
-    gate: GateId,
-    sensing: Sensing,
-) {
-    loop {
-        let estimate = measure(plant, gate);
-        arrive(sensing.lag, estimate);
-        agents.observe(gate, estimate);
-        if sensing.serves {
-            agents.service();
-        }
-        let state = agents.device(gate).map(|device| device.state);
-        let open = matches!(state, Some(DeviceState::Confirming | DeviceState::Orphaned));
-        if !open || estimate.state == Power::On {
-            return;
-        }
-    }
-}
-
-/// Waits until the estimate has arrived.
-fn arrive(lag: Lag, estimate: Estimate) {
-    let clock = MonotonicClock::new();
-    let left = estimate.measured_at.after(lag).since(clock.now());
-    if !left.is_zero() {
-        std::thread::park_timeout(left.into());
     }
 }
