@@ -54,7 +54,6 @@ struct Ledger<P: Platform, const G: usize, const T: usize, const S: usize> {
     books: Books<G, T, S>,
     clock: P::Clock,
     lane: P::Lane,
-    bars_seen: usize,
     /// What the latest step asked for.
     actions: Actions<G>,
     /// Tickets that became valid or ended, to be notified by the next service,
@@ -109,7 +108,6 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
                 books,
                 clock,
                 lane,
-                bars_seen: 0,
                 actions: Actions::new(),
                 changed: heapless::Vec::new(),
             }),

@@ -15,9 +15,40 @@ pub struct Scope {
     epoch: AtomicUsize,
     /// The least level that may become valid; 0 outside safe mode.
     floor: AtomicUsize,
-    /// How many bars there have been, so that the agent knows when to look for
-    /// them.
+    /// Who was barred since the agent looked; see [`Bars`].
     bars: AtomicUsize,
+}
+
+/// Where to look for bars: the seats whose numbers have certain low bits. With
+/// no more seats than a word has bits, these are exactly the barred ones; with
+/// 60 000, one bar concerns a thousand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Bars(usize);
+
+impl Bars {
+    /// Whether there was none.
+    #[must_use]
+    pub fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// The seats to look at, of so many.
+    pub fn seats(self, seats: u16) -> impl Iterator<Item = u16> {
+        let mut left = self.0;
+        let groups = core::iter::from_fn(move || {
+            let group = left.trailing_zeros();
+            left &= left.wrapping_sub(1);
+            (group < usize::BITS).then_some(group)
+        });
+        let of_group =
+            |group: u32| core::iter::successors(Some(group), |seat| Some(seat + usize::BITS));
+        let to_the_last = move |group| of_group(group).take_while(move |seat| *seat < seats.into());
+        groups.flat_map(to_the_last).filter_map(|seat| u16::try_from(seat).ok())
+    }
+
+    fn of(seat: u16) -> usize {
+        1 << (u32::from(seat) % usize::BITS)
+    }
 }
 
 /// What somebody read of a scope before deciding.
@@ -54,20 +85,35 @@ impl Scope {
         self.epoch.fetch_add(1, Ordering::Release);
     }
 
-    /// Says that a standing was barred.
+    /// Says that the standing in this seat was barred.
     ///
     /// # Timing
-    /// Constant: one atomic increment.
-    pub fn note_bar(&self) {
-        // Release: pairs with the Acquire in `bars`, so that who counts this
-        // one finds the bar.
-        self.bars.fetch_add(1, Ordering::Release);
+    /// Constant: one atomic operation.
+    pub fn note_bar(&self, seat: u16) {
+        // Release: pairs with the Acquire in `take_bars`, so that who takes
+        // this one finds the bar.
+        self.bars.fetch_or(Bars::of(seat), Ordering::Release);
     }
 
-    /// How many bars there have been.
+    /// Where somebody was barred since this was last asked, for the agent: it
+    /// asks under its lock, and looks before it leaves.
+    ///
+    /// # Timing
+    /// Constant: an atomic load, and if there was a bar, an atomic exchange.
     #[must_use]
-    pub fn bars(&self) -> usize {
-        self.bars.load(Ordering::Acquire)
+    pub fn take_bars(&self) -> Bars {
+        // Relaxed: that there is nothing says nothing about other memory.
+        if self.bars.load(Ordering::Relaxed) == 0 {
+            return Bars(0);
+        }
+        // A bar that comes in between is taken too, or stays for the next.
+        Bars(self.bars.swap(0, Ordering::Acquire))
+    }
+
+    /// Whether there are bars that nobody has taken.
+    #[must_use]
+    pub fn has_bars(&self) -> bool {
+        self.bars.load(Ordering::Relaxed) != 0
     }
 
     /// Like [`Scope::revoke_all`]; answers the epoch that it ended.
@@ -148,5 +194,57 @@ impl Scope {
 impl Default for Scope {
     fn default() -> Self {
         Self::new()
+    }
+}
+
+#[cfg(all(test, not(loom), target_pointer_width = "64"))]
+mod tests {
+    extern crate std;
+    use super::*;
+    use std::vec::Vec;
+
+    const SEATS: u16 = u16::MAX - 1;
+    const GROUPS: u16 = 64;
+
+    fn barred(seats: &[u16]) -> Vec<u16> {
+        let scope = Scope::new();
+        seats.iter().for_each(|seat| scope.note_bar(*seat));
+        scope.take_bars().seats(SEATS).collect()
+    }
+
+    #[test]
+    fn whoever_was_barred_is_looked_at() {
+        for seat in (0..SEATS).step_by(97) {
+            assert!(barred(&[seat]).contains(&seat), "{seat}");
+        }
+        let three = barred(&[3, 3 + GROUPS, 40_000]);
+        assert!([3, 3 + GROUPS, 40_000].iter().all(|seat| three.contains(seat)));
+    }
+
+    #[test]
+    fn one_bar_concerns_its_group_and_nobody_else() {
+        assert_eq!(barred(&[]), []);
+        for seat in [0, 77, SEATS - 1] {
+            let concerned = barred(&[seat]);
+            assert!(concerned.len() <= usize::from(SEATS / GROUPS) + 1);
+            assert!(concerned.iter().all(|other| other % GROUPS == seat % GROUPS));
+        }
+    }
+
+    #[test]
+    fn few_seats_are_each_a_group() {
+        let scope = Scope::new();
+        scope.note_bar(5);
+        scope.note_bar(7);
+        assert_eq!(scope.take_bars().seats(8).collect::<Vec<_>>(), [5, 7]);
+    }
+
+    #[test]
+    fn a_bar_is_taken_once() {
+        let scope = Scope::new();
+        scope.note_bar(9);
+        assert!(scope.has_bars());
+        assert!(!scope.take_bars().is_empty());
+        assert!(!scope.has_bars() && scope.take_bars().is_empty());
     }
 }

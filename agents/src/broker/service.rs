@@ -50,7 +50,9 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
     ///
     /// # Timing
     /// Each step waits at most for the command in progress at one gate; the
-    /// number of steps is bounded by the gates.
+    /// number of steps is bounded by the gates. After a bar the seats are looked
+    /// at that it can be in: one, or of more seats than a word has bits, each
+    /// 32nd or 64th.
     pub fn service(&self) -> Option<Instant> {
         let mut event = None;
         for _ in 0..Self::MOST_STEPS {
@@ -145,12 +147,9 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
 
     /// Finds who was barred: each standing that is ahead of the books' count.
     fn look_for_bars(&self, ledger: &mut Ledger<P, G, T, S>, now: Instant) {
-        let bars = self.scope.bars();
-        if bars == ledger.bars_seen {
-            return;
-        }
-        ledger.bars_seen = bars;
-        for (seat, standing) in (0..).zip(&self.standings) {
+        let bars = self.scope.take_bars();
+        for seat in bars.seats(u16::try_from(T).unwrap_or(u16::MAX)) {
+            let Some(standing) = self.standings.get(usize::from(seat)) else { continue };
             let epoch = standing.epoch_seen();
             let Some((serial, counted)) = ledger.books.counted(seat) else { continue };
             if epoch == counted {

@@ -151,7 +151,7 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
     /// service is woken.
     pub fn bar(&self, supervisor: &Supervisor, ticket: TicketId) -> Result<Revoked<'_>, NotYours> {
         self.standing_of(supervisor, ticket)?.bar(ticket.serial);
-        self.scope.note_bar();
+        self.scope.note_bar(ticket.seat);
         self.notify.service_due();
         // Its grant may be getting gates of other agents at this moment.
         Ok(self.revoked(usize::MAX))
@@ -175,12 +175,12 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
         if supervisor.agent.is_some() {
             return Err(NotYours::OtherScope);
         }
-        for standing in &self.standings {
+        for (seat, standing) in (0..).zip(&self.standings) {
             if let Some(serial) = standing.occupant_of(holder) {
                 standing.bar(serial);
+                self.scope.note_bar(seat);
             }
         }
-        self.scope.note_bar();
         self.notify.service_due();
         Ok(self.revoked(usize::MAX))
     }

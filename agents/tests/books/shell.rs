@@ -119,12 +119,7 @@ impl World<'_> {
     }
 
     fn look_for_bars(&mut self) {
-        let bars = self.ground.broker.bars();
-        if bars == self.bars_seen {
-            return;
-        }
-        self.bars_seen = bars;
-        for seat in 0..u16::try_from(SEATS).unwrap() {
+        for seat in self.ground.broker.take_bars().seats(u16::try_from(SEATS).unwrap()) {
             let epoch = self.standing(seat).epoch_seen();
             let (serial, counted) = self.books.counted(seat).unwrap();
             if epoch == counted {

@@ -213,13 +213,13 @@ impl World<'_> {
                 if let Some(serial) = self.pick(ticket) {
                     let seat = self.grants[&serial].id.seat;
                     self.standing(seat).bar(serial);
-                    self.ground.broker.note_bar();
+                    self.ground.broker.note_bar(seat);
                 }
             }
             Step::StaleBar { seat } => {
                 let seat = u16::from(seat) % u16::try_from(super::world::SEATS).unwrap();
                 self.standing(seat).bar(usize::MAX);
-                self.ground.broker.note_bar();
+                self.ground.broker.note_bar(seat);
             }
             Step::Reinstate { ticket } => self.reinstate(ticket),
             Step::EnterSafeMode { scope, floor } => {
