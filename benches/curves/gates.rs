@@ -51,7 +51,9 @@ fn label(policy: &str, gates: usize) -> String {
 
 pub(crate) fn cases() -> impl Iterator<Item = Case> {
     policies().into_iter().flat_map(|(name, policy)| {
-        COUNTED.into_iter().map(move |gates| Case::new(label(name, gates), decision(gates, policy)).once())
+        COUNTED
+            .into_iter()
+            .map(move |gates| Case::new(label(name, gates), decision(gates, policy)).once())
     })
 }
 
@@ -88,14 +90,16 @@ fn time_decisions(bench: &mut Bench) {
 }
 
 fn count_decisions(bench: &mut Bench, counts: &Counts) -> Result<(), Failure> {
-    let curve =
-        Curve::new("decision-instructions", "One decision", "gates", "instructions").log_x().log_y();
+    let curve = Curve::new("decision-instructions", "One decision", "gates", "instructions")
+        .log_x()
+        .log_y();
     let mut curve = curve;
     for (name, _) in policies() {
         let counted = COUNTED.map(|gates| counts.of(&label(name, gates)).map(|count| count.most));
         let counted: Option<Vec<u64>> = counted.into_iter().collect();
         let counted = counted.ok_or("a decision was not counted")?;
-        curve = curve.with(Series::new(name, points(COUNTED, counted.into_iter().map(|n| n as f64))));
+        curve =
+            curve.with(Series::new(name, points(COUNTED, counted.into_iter().map(|n| n as f64))));
     }
     bench.curve(curve);
     Ok(())
@@ -128,11 +132,14 @@ impl Lit {
         self.stage.registers.iter().copied().filter(on).count()
     }
 
-    /// Revokes everything, until no command is in progress.
-    fn quiesce(&self) -> Result<(), Failure> {
+    /// Revokes everything, until no command is in progress, so many times.
+    fn quiesce(&self, n: u64) -> Result<Duration, Failure> {
         let Stage { agents, supervisor, .. } = &self.stage;
-        agents.enter_safe_mode(supervisor, Priority::EMERGENCY)?.quiesce()?;
-        Ok(())
+        let start = Instant::now();
+        for _ in 0..n {
+            agents.enter_safe_mode(supervisor, Priority::EMERGENCY)?.quiesce()?;
+        }
+        Ok(start.elapsed())
     }
 
     /// Revokes everything, until every lamp has been made safe; then lets all
@@ -165,31 +172,24 @@ fn time_revoking(bench: &mut Bench) -> Result<(), Failure> {
     for gates in SIZES {
         lit.push((Lit::new(gates)?, Lit::new(gates)?));
     }
-    let failed = std::cell::RefCell::new(None);
-    let note = |outcome: Result<Duration, Failure>| {
-        outcome.unwrap_or_else(|failure| {
-            *failed.borrow_mut() = Some(failure);
-            // Long enough to end the calibration.
-            Duration::from_secs(1)
-        })
-    };
+    let failed = crate::Failed::default();
     let mut contest = bench.contest("revoke all until").rounds(ROUNDS.min(bench.rounds()));
-    let entrants: Vec<_> = lit.iter().zip(SIZES).map(|((passed, safed), gates)| {
-        let quiescent = contest.enter_timed(format!("quiescent, {gates} gates"), |n| {
-            let start = Instant::now();
-            let passed: Result<(), Failure> = (0..n).try_for_each(|_| passed.quiesce());
-            let took = start.elapsed();
-            note(passed.map(|()| took))
-        });
-        let safe = contest.enter_timed(format!("all safe, {gates} gates"), |n| {
-            (0..n).map(|_| note(safed.make_safe())).sum()
-        });
-        [quiescent, safe]
-    }).collect();
+    let failed = &failed;
+    let entrants: Vec<_> = lit
+        .iter()
+        .zip(SIZES)
+        .map(|((passed, safed), gates)| {
+            let quiescent = contest.enter_timed(format!("quiescent, {gates} gates"), move |n| {
+                failed.unless(|| passed.quiesce(n))
+            });
+            let safe = contest.enter_timed(format!("all safe, {gates} gates"), move |n| {
+                (0..n).map(|_| failed.unless(|| safed.make_safe())).sum()
+            });
+            [quiescent, safe]
+        })
+        .collect();
     let times = contest.run();
-    if let Some(failure) = failed.take() {
-        return Err(failure);
-    }
+    failed.check()?;
     let title = "From revoking everything until";
     let curve = Curve::new("revoke-gates", title, "gates", "ns").log_x().log_y();
     let ends = ["nothing is in progress", "all devices are made safe"];

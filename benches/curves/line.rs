@@ -171,12 +171,8 @@ pub(crate) fn measure(bench: &mut Bench) {
         ]
     });
     let times = contest.run();
-    let curve = Curve::new(
-        "roster",
-        "One leaves the line and joins it again",
-        "tickets in line",
-        "ns",
-    );
+    let curve =
+        Curve::new("roster", "One leaves the line and joins it again", "tickets in line", "ns");
     let names = ["roster (Faregate)", "BTreeSet", "sorted Vec"];
     let curve = names.into_iter().enumerate().fold(curve.log_x().log_y(), |curve, (way, name)| {
         let ns = entrants.map(|entrants| times.of(entrants[way]).p5);

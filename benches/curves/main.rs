@@ -5,6 +5,7 @@
 //! times, in which caches have their say, and as a count of instructions, which
 //! is equal or it is not.
 
+mod bars;
 mod count;
 mod gates;
 mod line;
@@ -14,7 +15,10 @@ mod stage;
 #[path = "../support/mod.rs"]
 mod support;
 
+use std::cell::RefCell;
 use std::process::ExitCode;
+use std::rc::Rc;
+use std::time::Duration;
 
 use count::{Case, Counts};
 use support::{Bench, Failure, Target};
@@ -29,19 +33,42 @@ fn main() -> ExitCode {
         return done;
     }
     support::run("curves", |bench| {
-        let counts = count::count()
-            .inspect_err(|why| eprintln!("instructions are not counted: {why}"))
-            .ok();
+        let counts =
+            count::count().inspect_err(|why| eprintln!("instructions are not counted: {why}")).ok();
         let counts = counts.as_ref();
         revoke::measure(bench, counts)?;
         many::measure(bench, counts)?;
         line::measure(bench);
         instructions(bench, 8, "roster, 60 000 in line / 16", counts, &line::names())?;
+        bars::measure(bench)?;
         gates::measure(bench, counts)
     })
 }
 
-/// The ratio of two counts of instructions, each the most that was seen.
+/// The first failure of a contest, whose entrants can only answer times.
+#[derive(Clone, Default)]
+struct Failed(Rc<RefCell<Option<Failure>>>);
+
+impl Failed {
+    /// What a measurement took. One that fails, and all after it, take long
+    /// enough to end the calibration.
+    fn unless(&self, measure: impl FnOnce() -> Result<Duration, Failure>) -> Duration {
+        const LONG: Duration = Duration::from_secs(1);
+        if self.0.borrow().is_some() {
+            return LONG;
+        }
+        measure().unwrap_or_else(|why| {
+            *self.0.borrow_mut() = Some(why);
+            LONG
+        })
+    }
+
+    fn check(&self) -> Result<(), Failure> {
+        self.0.take().map_or(Ok(()), Err)
+    }
+}
+
+/// Two counts of instructions, each the most that was seen, and their ratio.
 fn instructions(
     bench: &mut Bench,
     row: u8,
@@ -50,10 +77,14 @@ fn instructions(
     (large, small): &(String, String),
 ) -> Result<(), Failure> {
     let Some(counts) = counts else { return Ok(()) };
-    let of = |name: &str| counts.of(name).ok_or_else(|| format!("{name} was not counted"));
-    let (large, small) = (of(large)?, of(small)?);
-    println!("{name}: {large:?} and {small:?}");
-    let ratio = large.most as f64 / small.most as f64;
-    bench.figure(row, &format!("{name}, instructions"), ratio, "x", Target::AtMost(1.0));
+    let mut most = [0.0; 2];
+    for (most, case) in most.iter_mut().zip([large, small]) {
+        let counted = counts.of(case).ok_or_else(|| format!("{case} was not counted"))?;
+        *most = counted.most as f64;
+        bench.figure(row, case, *most, "instructions", Target::None);
+    }
+    let [large, small] = most;
+    let name = format!("{name}, instructions");
+    bench.figure(row, &name, large / small, "x", Target::AtMost(1.0));
     Ok(())
 }

@@ -8,10 +8,11 @@ use std::time::{Duration, Instant};
 
 use faregate_agents::{Policy, Supervisor};
 use faregate_tickets::id::{Priority, TicketId};
+use faregate_tickets::standing::Standing;
 
 use crate::count::{Case, Counts};
 use crate::stage::{Agents, SEATS, Stage, TICKETS, Ticket};
-use crate::support::{Bench, Entrant, Failure, Target};
+use crate::support::{Bench, Failure, Target};
 
 /// Co-prime to every number of tickets here: steps of it come by all of them,
 /// and never by a neighbour in memory.
@@ -21,6 +22,9 @@ const CROWDS: [usize; 2] = [1, TICKETS];
 /// of them valid, and one of the same level; and among as many more. Alone it
 /// would be granted, which is not the same work.
 const COMPANIES: [usize; 2] = [4, TICKETS];
+
+/// What caches may add.
+const WITHIN: Target = Target::AtMost(1.5);
 
 /// A broker with so many tickets, its first one valid.
 struct Many {
@@ -70,6 +74,35 @@ impl Many {
         let took = start.elapsed();
         self.stage.serve();
         took
+    }
+}
+
+/// As many standings without a broker, and who is in them: what the caches ask
+/// for barring another ticket each time, and nothing else.
+struct Bare {
+    ids: Vec<TicketId>,
+    standings: Vec<Standing>,
+    next: usize,
+}
+
+impl Bare {
+    fn new(crowd: &Many) -> Self {
+        let ids = crowd.ids.clone();
+        let standings: Vec<_> = ids.iter().map(|_| Standing::new()).collect();
+        for id in &ids {
+            standings[usize::from(id.seat)].seat(id.serial, 1);
+        }
+        Self { ids, standings, next: 0 }
+    }
+
+    #[inline(never)]
+    fn bar(&mut self) {
+        self.next = (self.next + STRIDE) % self.ids.len();
+        let TicketId { seat, serial } = self.ids[self.next];
+        let standing = &self.standings[usize::from(seat)];
+        if standing.is_occupied_by(serial) {
+            standing.bar(serial);
+        }
     }
 }
 
@@ -178,11 +211,18 @@ fn time_barring(bench: &mut Bench) {
                 bar(agents, supervisor, crowd.ids[crowd.next()]);
             }
         });
-        [same, another]
+        let mut bare = Bare::new(crowd);
+        let bare = contest.enter(label("bare words of another each time", size), move |n| {
+            (0..n).for_each(|_| bare.bar());
+        });
+        (same, another, bare)
     });
     let times = contest.run();
-    let names = ["bar the same one, among 60 000 / 1", "bar another each time, among 60 000 / 1"];
-    ratios(bench, &times, entrants, names);
+    let [one, many] = entrants;
+    bench.ratio(8, "bar the same one, among 60 000 / 1", &times, (many.0, one.0), WITHIN);
+    bench.ratio(8, "bar another each time, among 60 000 / 1", &times, (many.1, one.1), WITHIN);
+    let name = "the same of bare words, without a broker, 60 000 / 1";
+    bench.ratio(8, name, &times, (many.2, one.2), Target::None);
     bench.peers(&times);
 }
 
@@ -198,25 +238,13 @@ fn time_asking(bench: &mut Bench) {
             .enter_timed(label("relinquish another each time and request", size), |n| {
                 crowd.timed(n, || crowd.replace(crowd.next()))
             });
-        [same, another]
+        (same, another)
     });
     let times = contest.run();
-    let names = [
-        "request and relinquish, among 60 000 / 4",
-        "relinquish another each time and request, among 60 000 / 4",
-    ];
-    ratios(bench, &times, entrants, names);
+    let [one, many] = entrants;
+    let name = "request and relinquish, among 60 000 / 4";
+    bench.ratio(8, name, &times, (many.0, one.0), WITHIN);
+    let name = "relinquish another each time and request, among 60 000 / 4";
+    bench.ratio(8, name, &times, (many.1, one.1), WITHIN);
     bench.peers(&times);
-}
-
-/// Many against one, each way.
-fn ratios(
-    bench: &mut Bench,
-    times: &crate::support::Times,
-    [one, many]: [[Entrant; 2]; 2],
-    names: [&str; 2],
-) {
-    for ((one, many), name) in one.into_iter().zip(many).zip(names) {
-        bench.ratio(8, name, times, (many, one), Target::AtMost(1.5));
-    }
 }

@@ -13,6 +13,7 @@ use std::time::{Duration, Instant};
 use faregate_tickets::clock::Duration as Timeout;
 use faregate_tickets::gate::Admission;
 use faregate_tickets::id::{GateId, TicketId};
+use faregate_tickets::recorder::Unrecorded;
 use faregate_tickets::scope::Scope;
 use faregate_tickets::standing::{Stamp, Standing, Why};
 use faregate_tickets::ticket::{Holder, Issuer, Seat, Ticket};
@@ -32,7 +33,7 @@ const SLOW_ROUNDS: u32 = 40;
 struct Nobody;
 
 impl Issuer for Nobody {
-    fn relinquish(&self, _: &Seat<'_>, _: u32, _: Holder) {}
+    fn relinquish(&self, _: &Seat<'_>, _: Unrecorded, _: Holder) {}
 }
 
 /// As many valid tickets as this, all of one agent.
@@ -45,7 +46,8 @@ struct Crowd {
 impl Crowd {
     fn new(size: usize) -> Self {
         let hand: &'static Hand = leak(Hand::default());
-        let (agent, broker): (&'static Scope, &'static Scope) = (leak(Scope::new()), leak(Scope::new()));
+        let (agent, broker): (&'static Scope, &'static Scope) =
+            (leak(Scope::new()), leak(Scope::new()));
         let standings: &'static [Standing] =
             (0..size).map(|_| Standing::new()).collect::<Vec<_>>().leak();
         let gates = (0..size).map(|_| gate(hand).0).collect::<Vec<_>>().leak();
@@ -111,7 +113,10 @@ pub(crate) fn cases() -> impl Iterator<Item = Case> {
 pub(crate) fn measure(bench: &mut Bench, counts: Option<&Counts>) -> Result<(), Failure> {
     let crowds = SIZES.map(Crowd::new);
     for (crowd, size) in crowds.iter().zip(SIZES) {
-        let valid = (crowd.valid(), { revoke_all(crowd.agent); crowd.valid() });
+        let valid = (crowd.valid(), {
+            revoke_all(crowd.agent);
+            crowd.valid()
+        });
         if valid != (size, 0) {
             return Err(format!("{size} tickets, valid before and after: {valid:?}").into());
         }

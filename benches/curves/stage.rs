@@ -20,8 +20,7 @@ pub(crate) type Ports = (HostStrategy, &'static Hand, NoLane);
 /// A broker with room for so many tickets.
 pub(crate) type Agents<const T: usize> = Broker<'static, Ports, NoNotify, 64, T, 2>;
 pub(crate) type Lamps = Vec<Handle<'static, Lamp, Ports>>;
-pub(crate) type Ticket<const T: usize> =
-    faregate_tickets::Ticket<'static, Lamp, Ports, Agents<T>>;
+pub(crate) type Ticket<const T: usize> = faregate_tickets::Ticket<'static, Lamp, Ports, Agents<T>>;
 
 /// Seats of the largest broker. A sixteenth is kept for fault responses, which
 /// leaves the [`TICKETS`] that others can have.

@@ -93,9 +93,12 @@ pub(crate) fn large(cameras: usize, profile: Profile) -> Result<Agency<LargeAgen
     // It drains for as long as the bench runs.
     let _ = mem::ManuallyDrop::new(recorder.start(DRAIN_EVERY)?);
     let agents: &'static LargeAgents = Box::leak(agents);
-    Role::Service.start("service", move || {
-        while bells.service.wait_until(agents.service()).is_ok() {}
-    })?;
+    Role::Service.start(
+        "service",
+        move || {
+            while bells.service.wait_until(agents.service()).is_ok() {}
+        },
+    )?;
     let wait = Box::new(move |ticket: &Ticket<_>| bells.wait(agents, ticket));
     Ok(Agency { agents, wait, plant, devices })
 }

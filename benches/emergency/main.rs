@@ -66,7 +66,8 @@ impl<'a> Emergencies<'a> {
     ) -> Entrant {
         let failure = self.failure;
         self.contest.enter_timed(name, move |n| {
-            let took = if failure.borrow().is_some() { Ok(Duration::from_secs(1)) } else { round() };
+            let took =
+                if failure.borrow().is_some() { Ok(Duration::from_secs(1)) } else { round() };
             let took = took.unwrap_or_else(|why| {
                 *failure.borrow_mut() = Some(why);
                 Duration::from_secs(1)
@@ -135,8 +136,20 @@ fn against_the_floor(bench: &mut Bench, times: &Times, floor: Entrant, held: &[H
         let times = times.of(*entrant);
         let (p999, median) = (times.p999 / floor.p999, times.median / floor.median);
         bench.figure(10, &format!("emergency, {name}: p99.9 / floor's"), p999, "x", *target);
-        bench.figure(10, &format!("emergency, {name}: median / floor's"), median, "x", Target::None);
-        bench.figure(10, &format!("emergency, {name}: p99.9"), times.p999 / 1e3, "us", Target::None);
+        bench.figure(
+            10,
+            &format!("emergency, {name}: median / floor's"),
+            median,
+            "x",
+            Target::None,
+        );
+        bench.figure(
+            10,
+            &format!("emergency, {name}: p99.9"),
+            times.p999 / 1e3,
+            "us",
+            Target::None,
+        );
     }
     bench.figure(10, "emergency, the floor: p99.9", floor.p999 / 1e3, "us", Target::None);
 }

@@ -107,7 +107,8 @@ impl Device for Switch {
 
     fn safe(&mut self) -> Result<(), ()> {
         let spend = |left: u32| left.checked_sub(1);
-        let heard = self.plant.deaf.fetch_update(Ordering::SeqCst, Ordering::SeqCst, spend).is_err();
+        let heard =
+            self.plant.deaf.fetch_update(Ordering::SeqCst, Ordering::SeqCst, spend).is_err();
         if heard {
             self.plant.set(self.gate, false);
         }
