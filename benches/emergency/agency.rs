@@ -80,10 +80,23 @@ pub(crate) fn runtime(cameras: usize, profile: Profile) -> Result<Agency<Runtime
 /// many gates as there can be.
 pub(crate) type LargeAgents = Agents<&'static Bells, 64, 64_000, 2>;
 
+/// Who serves a broker, beside whoever waits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Service {
+    /// A thread of its own.
+    Thread,
+    /// Nobody, until somebody brings an estimate.
+    Nobody,
+}
+
 /// One with room for many.
-pub(crate) fn large(cameras: usize, profile: Profile) -> Result<Agency<LargeAgents>, Failure> {
+pub(crate) fn large(
+    cameras: usize,
+    profile: Profile,
+    service: Service,
+) -> Result<Agency<LargeAgents>, Failure> {
     let plant: &'static Plant = Box::leak(Box::new(Plant::new()?));
-    let bells: &'static Bells = Box::leak(Box::new(Bells::new()?));
+    let bells: &'static Bells = Box::leak(Box::new(Bells::new(service)?));
     let mut recorder = Recorder::new();
     let mut agents = boxed(bells, &mut recorder)?;
     let agent = agents.agent(policy(cameras))?;
@@ -129,6 +142,7 @@ fn boxed(bells: &'static Bells, recorder: &mut Recorder) -> Result<Box<LargeAgen
 /// `Waiters`, which has them for many.
 #[derive(Debug)]
 pub(crate) struct Bells {
+    serving: Service,
     service: Wakeup,
     waiting: Wakeup,
     /// The seat waited for, counted from 1; 0 for none.
@@ -136,8 +150,9 @@ pub(crate) struct Bells {
 }
 
 impl Bells {
-    fn new() -> io::Result<Self> {
-        Ok(Self { service: Wakeup::new()?, waiting: Wakeup::new()?, seat: AtomicUsize::new(0) })
+    fn new(serving: Service) -> io::Result<Self> {
+        let [service, waiting] = [Wakeup::new()?, Wakeup::new()?];
+        Ok(Self { serving, service, waiting, seat: AtomicUsize::new(0) })
     }
 
     /// As the runtime's broker waits.
@@ -169,6 +184,8 @@ impl Notify for Bells {
     }
 
     fn service_due(&self) {
-        self.service.notify();
+        if self.serving == Service::Thread {
+            self.service.notify();
+        }
     }
 }

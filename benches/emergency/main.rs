@@ -22,6 +22,7 @@ use std::time::Duration;
 
 use support::{Bench, Contest, Curve, Entrant, Failure, Series, Target, Times};
 
+use agency::Service;
 use floor::Floor;
 use plant::patient;
 use rescue::Rescue;
@@ -108,23 +109,30 @@ fn enter_held(emergencies: &mut Emergencies<'_>) -> Result<Vec<Held>, Failure> {
         held.push(Held { name, entrant: emergencies.enter(name, round), target });
     };
     let target = Target::AtMost(2.0);
-    let one = Rescue::new(agency::runtime(1, patient())?, SERVED, 0)?;
-    enter("1 victim present, service thread", Target::None, Box::new(move || one.round(0)));
-    let one = Rescue::new(agency::runtime(1, patient())?, SERVING, 0)?;
-    enter("1 victim present", target, Box::new(move || one.round(0)));
-    let some = Rescue::new(agency::runtime(31, patient())?, SERVING, 0)?;
-    enter("31 victims present", target, Box::new(move || some.round(0)));
-    let many = Rescue::new(agency::large(63, patient())?, SERVED, 0)?;
-    enter("63 victims present, service thread", Target::None, Box::new(move || many.round(0)));
-    let many = Rescue::new(agency::large(63, patient())?, SERVING, 0)?;
-    enter("63 victims present", target, Box::new(move || many.round(0)));
+    let rescue = Rescue::new(agency::runtime(1, patient())?, SERVED, 0)?;
+    enter("1 victim present", target, Box::new(move || rescue.round(0)));
+    let rescue = Rescue::new(agency::runtime(31, patient())?, SERVED, 0)?;
+    enter("31 victims present", target, Box::new(move || rescue.round(0)));
+    let rescue = Rescue::new(agency::large(63, patient(), Service::Thread)?, SERVED, 0)?;
+    enter("63 victims present", target, Box::new(move || rescue.round(0)));
+    // Where the time goes: without the third thread, and without its fight for
+    // the books.
+    let rescue = Rescue::new(agency::runtime(1, patient())?, SERVING, 0)?;
+    let name = "1 victim present, the sensors serve too";
+    enter(name, Target::None, Box::new(move || rescue.round(0)));
+    let rescue = Rescue::new(agency::large(1, patient(), Service::Nobody)?, SERVING, 0)?;
+    let name = "1 victim present, no service thread";
+    enter(name, Target::None, Box::new(move || rescue.round(0)));
+    let rescue = Rescue::new(agency::large(63, patient(), Service::Nobody)?, SERVING, 0)?;
+    let name = "63 victims present, no service thread";
+    enter(name, Target::None, Box::new(move || rescue.round(0)));
     Ok(held)
 }
 
 fn enter_crowds(emergencies: &mut Emergencies<'_>) -> Result<[Entrant; 4], Failure> {
     let mut crowds = Vec::new();
     for tickets in TICKETS {
-        let crowd = Rescue::new(agency::large(1, patient())?, SERVING, tickets)?;
+        let crowd = Rescue::new(agency::large(1, patient(), Service::Thread)?, SERVED, tickets)?;
         crowds.push(emergencies.enter(format!("{tickets} tickets"), move || crowd.round(0)));
     }
     crowds.try_into().map_err(|_| "a crowd is missing".into())
