@@ -59,19 +59,12 @@ impl Case {
     }
 }
 
-/// How many instructions a case took, at least and at most.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Instructions {
-    pub(crate) least: u64,
-    pub(crate) most: u64,
-}
-
-/// What was counted, by the names of the cases.
-#[derive(Debug, Default)]
-pub(crate) struct Counts(BTreeMap<String, Instructions>);
+/// How many instructions each case took at most, by the cases' names.
+#[derive(Debug)]
+pub(crate) struct Counts(BTreeMap<String, u64>);
 
 impl Counts {
-    pub(crate) fn of(&self, name: &str) -> Option<Instructions> {
+    pub(crate) fn of(&self, name: &str) -> Option<u64> {
         self.0.get(name).copied()
     }
 }
@@ -182,11 +175,9 @@ fn without_brackets(counted: Vec<(String, (u64, u64))>) -> Result<Counts, Failur
     let brackets = counted.iter().find(|(name, _)| name == NOTHING).map(|(_, steps)| *steps);
     match brackets {
         Some((least, most)) if least == most => {
-            let own = |steps: u64| steps.saturating_sub(most);
-            let counts = counted.into_iter().map(|(name, (least, most))| {
-                (name, Instructions { least: own(least), most: own(most) })
-            });
-            Ok(Counts(counts.collect()))
+            let counts = counted.into_iter();
+            let own = counts.map(|(name, (_, steps))| (name, steps.saturating_sub(most)));
+            Ok(Counts(own.collect()))
         }
         other => Err(format!("nothing does not always take the same: {other:?}").into()),
     }

@@ -95,7 +95,7 @@ fn count_decisions(bench: &mut Bench, counts: &Counts) -> Result<(), Failure> {
         .log_y();
     let mut curve = curve;
     for (name, _) in policies() {
-        let counted = COUNTED.map(|gates| counts.of(&label(name, gates)).map(|count| count.most));
+        let counted = COUNTED.map(|gates| counts.of(&label(name, gates)));
         let counted: Option<Vec<u64>> = counted.into_iter().collect();
         let counted = counted.ok_or("a decision was not counted")?;
         curve =

@@ -68,7 +68,7 @@ impl Failed {
     }
 }
 
-/// Two counts of instructions, each the most that was seen, and their ratio.
+/// Two counts of instructions, and their ratio.
 fn instructions(
     bench: &mut Bench,
     row: u8,
@@ -76,15 +76,25 @@ fn instructions(
     counts: Option<&Counts>,
     (large, small): &(String, String),
 ) -> Result<(), Failure> {
-    let Some(counts) = counts else { return Ok(()) };
-    let mut most = [0.0; 2];
-    for (most, case) in most.iter_mut().zip([large, small]) {
-        let counted = counts.of(case).ok_or_else(|| format!("{case} was not counted"))?;
-        *most = counted.most as f64;
-        bench.figure(row, case, *most, "instructions", Target::None);
+    let large = count_of(bench, row, large, counts)?;
+    let small = count_of(bench, row, small, counts)?;
+    if let (Some(large), Some(small)) = (large, small) {
+        let name = format!("{name}, instructions");
+        bench.figure(row, &name, large / small, "x", Target::AtMost(1.0));
     }
-    let [large, small] = most;
-    let name = format!("{name}, instructions");
-    bench.figure(row, &name, large / small, "x", Target::AtMost(1.0));
     Ok(())
+}
+
+/// A count of instructions, the most that was seen; `None` where none are
+/// counted.
+fn count_of(
+    bench: &mut Bench,
+    row: u8,
+    case: &str,
+    counts: Option<&Counts>,
+) -> Result<Option<f64>, Failure> {
+    let Some(counts) = counts else { return Ok(None) };
+    let most = counts.of(case).ok_or_else(|| format!("{case} was not counted"))? as f64;
+    bench.figure(row, case, most, "instructions", Target::None);
+    Ok(Some(most))
 }

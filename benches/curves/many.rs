@@ -1,5 +1,7 @@
 //! Row 8: one ticket among 60 000, and one almost alone. Barring, requesting
-//! and relinquishing cost what one ticket costs.
+//! and relinquishing cost what one ticket costs, in a broker with room for
+//! [`SEATS`] as in one with room for [`FEW_SEATS`]: a look at every seat would
+//! show, whether anybody sits there or not.
 
 use std::cell::{Cell, RefCell};
 use std::hint::black_box;
@@ -12,11 +14,13 @@ use faregate_tickets::standing::Standing;
 
 use crate::count::{Case, Counts};
 use crate::stage::{Agents, SEATS, Stage, TICKETS, Ticket};
-use crate::support::{Bench, Failure, Target};
+use crate::support::{Bench, Contest, Entrant, Failure, Target};
 
 /// Co-prime to every number of tickets here: steps of it come by all of them,
 /// and never by a neighbour in memory.
 const STRIDE: usize = 7_919;
+/// Seats of the small broker.
+const FEW_SEATS: usize = 64;
 const CROWDS: [usize; 2] = [1, TICKETS];
 /// Of a request, with its own ticket: behind two that are more important, one
 /// of them valid, and one of the same level; and among as many more. Alone it
@@ -27,14 +31,14 @@ const COMPANIES: [usize; 2] = [4, TICKETS];
 const WITHIN: Target = Target::AtMost(1.5);
 
 /// A broker with so many tickets, its first one valid.
-struct Many {
-    stage: Stage<SEATS>,
-    tickets: RefCell<Vec<Ticket<SEATS>>>,
+struct Many<const T: usize> {
+    stage: Stage<T>,
+    tickets: RefCell<Vec<Ticket<T>>>,
     ids: Vec<TicketId>,
     next: Cell<usize>,
 }
 
-impl Many {
+impl<const T: usize> Many<T> {
     fn new(tickets: usize) -> Self {
         let (stage, tickets) = Stage::crowded(1, Policy::unlimited(), tickets);
         let ids = tickets.iter().map(Ticket::id).collect();
@@ -52,7 +56,7 @@ impl Many {
         self.next.get()
     }
 
-    fn request(&self) -> Ticket<SEATS> {
+    fn request(&self) -> Ticket<T> {
         request(self.stage.agents, &self.stage)
     }
 
@@ -86,8 +90,8 @@ struct Bare {
 }
 
 impl Bare {
-    fn new(crowd: &Many) -> Self {
-        let ids = crowd.ids.clone();
+    fn new(ids: &[TicketId]) -> Self {
+        let ids = ids.to_vec();
         let standings: Vec<_> = ids.iter().map(|_| Standing::new()).collect();
         for id in &ids {
             standings[usize::from(id.seat)].seat(id.serial, 1);
@@ -107,31 +111,31 @@ impl Bare {
 }
 
 #[inline(never)]
-fn bar(agents: &Agents<SEATS>, supervisor: &Supervisor, ticket: TicketId) {
+fn bar<const T: usize>(agents: &Agents<T>, supervisor: &Supervisor, ticket: TicketId) {
     if let Ok(revoked) = agents.bar(supervisor, black_box(ticket)) {
         revoked.without_waiting();
     }
 }
 
 #[inline(never)]
-fn safe_mode(agents: &Agents<SEATS>, supervisor: &Supervisor) {
+fn safe_mode<const T: usize>(agents: &Agents<T>, supervisor: &Supervisor) {
     if let Ok(revoked) = agents.enter_safe_mode(supervisor, Priority::EMERGENCY) {
         revoked.without_waiting();
     }
 }
 
 #[inline(never)]
-fn request(agents: &'static Agents<SEATS>, stage: &Stage<SEATS>) -> Ticket<SEATS> {
+fn request<const T: usize>(agents: &'static Agents<T>, stage: &Stage<T>) -> Ticket<T> {
     agents.request(black_box(Priority::SCIENCE), &stage.lamps[0]).expect("there is a seat")
 }
 
 #[inline(never)]
-fn relinquish(ticket: Option<Ticket<SEATS>>) {
+fn relinquish<const T: usize>(ticket: Option<Ticket<T>>) {
     drop(black_box(ticket));
 }
 
-fn label(what: &str, tickets: usize) -> String {
-    format!("{what}, among {tickets}")
+fn label<const T: usize>(what: &str, tickets: usize) -> String {
+    format!("{what}, among {tickets}, room for {T}")
 }
 
 /// What is done to one ticket, and how it is named.
@@ -141,45 +145,44 @@ const REQUEST: &str = "request";
 const RELINQUISH: &str = "relinquish";
 
 pub(crate) fn cases() -> impl Iterator<Item = Case> {
-    revoking_cases().chain(asking_cases())
+    let few = revoking_cases::<FEW_SEATS>(CROWDS[0]).into_iter();
+    let few = few.chain(asking_cases::<FEW_SEATS>(COMPANIES[0]));
+    let many = CROWDS.into_iter().flat_map(revoking_cases::<SEATS>);
+    few.chain(many).chain(COMPANIES.into_iter().flat_map(asking_cases::<SEATS>))
 }
 
-fn revoking_cases() -> impl Iterator<Item = Case> {
-    CROWDS.into_iter().flat_map(|size| {
-        let (barring, safing) = (Many::new(size), Many::new(size));
-        let id = barring.ids[0];
-        [
-            Case::new(label(BAR, size), move || {
-                bar(barring.stage.agents, &barring.stage.supervisor, id);
-            }),
-            Case::new(label(SAFE_MODE, size), move || {
-                safe_mode(safing.stage.agents, &safing.stage.supervisor);
-            }),
-        ]
-    })
+fn revoking_cases<const T: usize>(size: usize) -> [Case; 2] {
+    let [barring, safing] = [(); 2].map(|()| Many::<T>::new(size));
+    let id = barring.ids[0];
+    [
+        Case::new(label::<T>(BAR, size), move || {
+            bar(barring.stage.agents, &barring.stage.supervisor, id);
+        }),
+        Case::new(label::<T>(SAFE_MODE, size), move || {
+            safe_mode(safing.stage.agents, &safing.stage.supervisor);
+        }),
+    ]
 }
 
-fn asking_cases() -> impl Iterator<Item = Case> {
-    COMPANIES.into_iter().flat_map(|size| {
-        let crowd = Rc::new(Many::with_room(size));
-        let held = Rc::new(RefCell::new(None));
-        let [ask, hold, give, serve] = [(); 4].map(|()| (Rc::clone(&crowd), Rc::clone(&held)));
-        [
-            Case::new(label(REQUEST, size), move || *ask.1.borrow_mut() = Some(ask.0.request()))
-                .once()
-                .after(move || {
-                    hold.1.borrow_mut().take();
-                    hold.0.stage.serve();
-                }),
-            Case::new(label(RELINQUISH, size), move || relinquish(give.1.borrow_mut().take()))
-                .once()
-                .after(move || {
-                    serve.1.borrow_mut().take();
-                    serve.0.stage.serve();
-                    *serve.1.borrow_mut() = Some(serve.0.request());
-                }),
-        ]
-    })
+fn asking_cases<const T: usize>(size: usize) -> [Case; 2] {
+    let crowd = Rc::new(Many::<T>::with_room(size));
+    let held = Rc::new(RefCell::new(None));
+    let [ask, hold, give, serve] = [(); 4].map(|()| (Rc::clone(&crowd), Rc::clone(&held)));
+    [
+        Case::new(label::<T>(REQUEST, size), move || *ask.1.borrow_mut() = Some(ask.0.request()))
+            .once()
+            .after(move || {
+                hold.1.borrow_mut().take();
+                hold.0.stage.serve();
+            }),
+        Case::new(label::<T>(RELINQUISH, size), move || relinquish(give.1.borrow_mut().take()))
+            .once()
+            .after(move || {
+                serve.1.borrow_mut().take();
+                serve.0.stage.serve();
+                *serve.1.borrow_mut() = Some(serve.0.request());
+            }),
+    ]
 }
 
 pub(crate) fn measure(bench: &mut Bench, counts: Option<&Counts>) -> Result<(), Failure> {
@@ -187,64 +190,78 @@ pub(crate) fn measure(bench: &mut Bench, counts: Option<&Counts>) -> Result<(), 
     time_asking(bench);
     let few = [(BAR, CROWDS), (SAFE_MODE, CROWDS), (REQUEST, COMPANIES), (RELINQUISH, COMPANIES)];
     for (what, [few, many]) in few {
-        let names = (label(what, many), label(what, few));
+        let names = (label::<SEATS>(what, many), label::<SEATS>(what, few));
         let figure = format!("{what}, among 60 000 / among {few}");
         crate::instructions(bench, 8, &figure, counts, &names)?;
+        // Other code, in which the compiler may have found other instructions.
+        crate::count_of(bench, 8, &label::<FEW_SEATS>(what, few), counts)?;
     }
     Ok(())
 }
 
+/// Entrants that bar the same ticket, another each time, and another of the
+/// same words without a broker.
+fn enter_barring<'a, const T: usize>(
+    contest: &mut Contest<'a>,
+    crowd: &'a Many<T>,
+) -> [Entrant; 3] {
+    let (agents, supervisor) = (crowd.stage.agents, &crowd.stage.supervisor);
+    let (size, first) = (crowd.ids.len(), crowd.ids[0]);
+    let mut bare = Bare::new(&crowd.ids);
+    [
+        contest.enter(label::<T>(BAR, size), move |n| {
+            (0..n).for_each(|_| bar(agents, supervisor, first));
+        }),
+        contest.enter(label::<T>("bar another each time", size), move |n| {
+            (0..n).for_each(|_| bar(agents, supervisor, crowd.ids[crowd.next()]));
+        }),
+        contest.enter(label::<T>("bare words of another each time", size), move |n| {
+            (0..n).for_each(|_| bare.bar());
+        }),
+    ]
+}
+
 fn time_barring(bench: &mut Bench) {
     // Nothing serves these: what follows a bar has its own curve.
-    let crowds = CROWDS.map(Many::new);
+    let (one, many) = (Many::<FEW_SEATS>::new(CROWDS[0]), Many::<SEATS>::new(CROWDS[1]));
     let mut contest = bench.contest("bar");
-    let entrants = crowds.each_ref().map(|crowd| {
-        let (agents, supervisor) = (crowd.stage.agents, &crowd.stage.supervisor);
-        let (size, first) = (crowd.ids.len(), crowd.ids[0]);
-        let same = contest.enter(label(BAR, size), move |n| {
-            for _ in 0..n {
-                bar(agents, supervisor, first);
-            }
-        });
-        let another = contest.enter(label("bar another each time", size), move |n| {
-            for _ in 0..n {
-                bar(agents, supervisor, crowd.ids[crowd.next()]);
-            }
-        });
-        let mut bare = Bare::new(crowd);
-        let bare = contest.enter(label("bare words of another each time", size), move |n| {
-            (0..n).for_each(|_| bare.bar());
-        });
-        (same, another, bare)
-    });
+    let one = enter_barring(&mut contest, &one);
+    let many = enter_barring(&mut contest, &many);
     let times = contest.run();
-    let [one, many] = entrants;
-    bench.ratio(8, "bar the same one, among 60 000 / 1", &times, (many.0, one.0), WITHIN);
-    bench.ratio(8, "bar another each time, among 60 000 / 1", &times, (many.1, one.1), WITHIN);
-    let name = "the same of bare words, without a broker, 60 000 / 1";
-    bench.ratio(8, name, &times, (many.2, one.2), Target::None);
+    let figures = [
+        ("bar the same one, among 60 000 / 1", WITHIN),
+        ("bar another each time, among 60 000 / 1", WITHIN),
+        ("the same of bare words, without a broker, 60 000 / 1", Target::None),
+    ];
+    for (pair, (name, target)) in many.into_iter().zip(one).zip(figures) {
+        bench.ratio(8, name, &times, pair, target);
+    }
     bench.peers(&times);
 }
 
-fn time_asking(bench: &mut Bench) {
-    let crowds = COMPANIES.map(Many::with_room);
-    let mut contest = bench.contest("request");
-    let entrants = crowds.each_ref().map(|crowd| {
-        let size = crowd.ids.len() + 1;
-        let same = contest.enter_timed(label("request and relinquish", size), |n| {
+/// Entrants that ask and give back, and that take another's place each time.
+fn enter_asking<'a, const T: usize>(contest: &mut Contest<'a>, crowd: &'a Many<T>) -> [Entrant; 2] {
+    let size = crowd.ids.len() + 1;
+    [
+        contest.enter_timed(label::<T>("request and relinquish", size), |n| {
             crowd.timed(n, || relinquish(Some(crowd.request())))
-        });
-        let another = contest
-            .enter_timed(label("relinquish another each time and request", size), |n| {
-                crowd.timed(n, || crowd.replace(crowd.next()))
-            });
-        (same, another)
-    });
+        }),
+        contest.enter_timed(label::<T>("relinquish another each time and request", size), |n| {
+            crowd.timed(n, || crowd.replace(crowd.next()))
+        }),
+    ]
+}
+
+fn time_asking(bench: &mut Bench) {
+    let few = Many::<FEW_SEATS>::with_room(COMPANIES[0]);
+    let many = Many::<SEATS>::with_room(COMPANIES[1]);
+    let mut contest = bench.contest("request");
+    let few = enter_asking(&mut contest, &few);
+    let many = enter_asking(&mut contest, &many);
     let times = contest.run();
-    let [one, many] = entrants;
-    let name = "request and relinquish, among 60 000 / 4";
-    bench.ratio(8, name, &times, (many.0, one.0), WITHIN);
-    let name = "relinquish another each time and request, among 60 000 / 4";
-    bench.ratio(8, name, &times, (many.1, one.1), WITHIN);
+    let names = ["request and relinquish", "relinquish another each time and request"];
+    for (pair, name) in many.into_iter().zip(few).zip(names) {
+        bench.ratio(8, &format!("{name}, among 60 000 / 4"), &times, pair, WITHIN);
+    }
     bench.peers(&times);
 }
