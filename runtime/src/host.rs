@@ -61,6 +61,7 @@ const SPINS: u32 = 256;
 const NAP: std::time::Duration = std::time::Duration::from_micros(20);
 
 impl Wait for SpinThenSleep {
+    #[expect(clippy::disallowed_methods, reason = "a command in flight takes real time")]
     fn until(timeout: Duration, mut over: impl FnMut() -> bool) -> bool {
         for _ in 0..SPINS {
             if over() {
