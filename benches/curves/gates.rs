@@ -6,7 +6,7 @@ use std::hint::black_box;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use faregate_agents::{Books, Event, Policy};
+use faregate_agents::{Actions, Books, Event, Policy};
 use faregate_tickets::amount::Milliwatts;
 use faregate_tickets::id::Priority;
 
@@ -34,15 +34,17 @@ fn books(gates: usize, policy: Policy) -> Box<Books<64, SEATS, 2>> {
 }
 
 #[inline(never)]
-fn decide(books: &mut Books<64, SEATS, 2>, event: Event) {
-    black_box(books.step(black_box(event)));
+fn decide(books: &mut Books<64, SEATS, 2>, event: Event, actions: &mut Actions<64>) {
+    books.step(black_box(event), actions);
+    black_box(&*actions);
 }
 
 /// What decides, and nothing happens: time stands still.
 fn decision(gates: usize, policy: Policy) -> impl FnMut() {
     let mut books = books(gates, policy);
     let event = Event::Tick(faregate_tickets::clock::Instant::START);
-    move || decide(&mut books, event)
+    let mut actions = Actions::new();
+    move || decide(&mut books, event, &mut actions)
 }
 
 fn label(policy: &str, gates: usize) -> String {

@@ -10,9 +10,11 @@ use crate::support::{Contest, Entrant, Failure};
 type OnHost = Stand<Free<HostStrategy>, 1>;
 type Refused = Pass<Free<HostStrategy>, 1>;
 
+type MakeRefused = fn() -> Result<Refused, Failure>;
+
 /// One entrant for each way, with its name.
 pub(crate) fn enter(contest: &mut Contest<'_>) -> Result<Vec<(&'static str, Entrant)>, Failure> {
-    let ways: [(_, fn() -> Result<Refused, Failure>); 4] = [
+    let ways: [(_, MakeRefused); 4] = [
         ("taken", taken),
         ("barred", barred),
         ("in safe mode", in_safe_mode),

@@ -145,10 +145,14 @@ fn standings(meter: &mut Meter) {
 
 fn scopes(meter: &mut Meter) {
     let scope = meter.op(&["scope::new"], Scope::new);
-    meter.op(&["scope::revoke_all", "scope::note_bar", "scope::bars"], || {
+    meter.op(&["scope::revoke_all", "scope::note_bar", "scope::has_bars"], || {
         scope.revoke_all();
-        scope.note_bar();
-        assert_eq!(scope.bars(), 1);
+        scope.note_bar(1);
+        assert!(scope.has_bars());
+    });
+    meter.op(&["scope::take_bars", "scope::is_empty", "scope::seats"], || {
+        assert_eq!(scope.take_bars().seats(4).count(), 1);
+        assert!(scope.take_bars().is_empty());
     });
     meter.op(&["scope::enter_safe_mode", "scope::floor", "scope::read", "scope::admits"], || {
         scope.enter_safe_mode(Priority::EMERGENCY);
