@@ -3,7 +3,7 @@
 use faregate::prelude::*;
 use faregate::runtime::host::HostStrategy;
 
-use crate::peers::{self, repeat};
+use crate::peers;
 use crate::subjects::{Free, Stand};
 use crate::support::{Bench, Contest, Entrant, Failure, Target};
 
@@ -69,5 +69,5 @@ pub(crate) fn measure(bench: &mut Bench) -> Result<(), Failure> {
 fn with(contest: &mut Contest<'_>, name: &str, validity: Validity) -> Result<Entrant, Failure> {
     let ticket = OnHost::free()?.ticket(validity)?;
     ticket.invoke(peers::VALUE).map_err(|refused| format!("{name}: {refused}"))?;
-    Ok(repeat(contest, &format!("invoke with {name}"), move |value| ticket.invoke(value)))
+    Ok(crate::admitted(contest, &format!("invoke with {name}"), ticket))
 }

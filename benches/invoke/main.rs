@@ -19,7 +19,7 @@ use faregate::runtime::lanes::{Recorder, RingLane};
 use faregate::tickets::Platform;
 use faregate::tickets::lock::{Locked, Strategy};
 
-use peers::VALUE;
+use peers::{VALUE, repeat};
 use register::ONE_STORE;
 use subjects::{Clocked, Free, Pass, Stand};
 use support::{Bench, Contest, Entrant, Failure, Target};
@@ -40,6 +40,7 @@ fn invocations(bench: &mut Bench) -> Result<(), Failure> {
     let plain = invoke::<ParkingLot, 0>(&mut contest, "Locked<parking_lot>")?;
     let fenced = invoke::<HostFenced, 0>(&mut contest, "Fenced")?;
     let restartable = one_store(&mut contest)?;
+    let look = look_alone(&mut contest)?;
     with_the_hosts_clock(&mut contest)?;
     with_the_flight_recorder(&mut contest)?;
     let refusals = refusals::enter(&mut contest)?;
@@ -48,11 +49,20 @@ fn invocations(bench: &mut Bench) -> Result<(), Failure> {
     let at_most = Target::AtMost;
     let name = "Fenced invoke / acquire flag + call";
     bench.ratio(1, name, &times, (fenced, peers.flag), at_most(1.6));
+    let name = "the bare one-fence protocol / acquire flag + call";
+    bench.ratio(1, name, &times, (peers.one_fence, peers.flag), Target::None);
     let name = "Fenced invoke / the bare one-fence protocol";
     bench.ratio(2, name, &times, (fenced, peers.one_fence), at_most(1.10));
+    let added = |ticket, bare| times.of(ticket).p5 - times.of(bare).p5;
+    let name = "what a ticket adds to the bare one-fence protocol";
+    bench.figure(2, name, added(fenced, peers.one_fence), "ns", Target::None);
+    let name = "what a ticket adds to the bare lock";
+    bench.figure(3, name, added(host, peers.host_lock), "ns", Target::None);
     if let Some(restartable) = restartable {
         let name = "Restartable invoke / bare store";
         bench.ratio(4, name, &times, (restartable, peers.bare_store), at_most(1.6));
+        let name = "Restartable invoke / acquire flag + call";
+        bench.ratio(4, name, &times, (restartable, peers.flag), Target::None);
     }
     let bare = "the bare lock around the same call";
     bench.ratio(
@@ -64,6 +74,8 @@ fn invocations(bench: &mut Bench) -> Result<(), Failure> {
     );
     let name = format!("Locked<parking_lot> invoke / {bare}");
     bench.ratio(3, &name, &times, (plain, peers.parking_lot), Target::None);
+    let name = "the look alone / acquire flag + call";
+    bench.ratio(5, name, &times, (look, peers.flag), Target::None);
     for (name, refusal) in refusals {
         let name = format!("refused, {name} / acquire flag + call");
         bench.ratio(5, &name, &times, (refusal, peers.flag), at_most(0.5));
@@ -79,6 +91,13 @@ fn invoke<S: Strategy, const SITE: u8>(
 ) -> Result<Entrant, Failure> {
     let ticket = Stand::<Free<S>, SITE>::free()?.ticket(Validity::always())?;
     Ok(admitted(contest, &format!("{name} invoke"), ticket))
+}
+
+/// Whether a ticket is valid, and nothing else: an admitted command asks it
+/// twice, a refused one once.
+fn look_alone(contest: &mut Contest<'_>) -> Result<Entrant, Failure> {
+    let ticket = Stand::<Free<HostStrategy>, 4>::free()?.ticket(Validity::always())?;
+    Ok(repeat(contest, "the look alone", move |_| ticket.check().is_ok()))
 }
 
 /// A gate that does the command's one store itself; none where the system has

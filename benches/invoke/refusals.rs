@@ -1,32 +1,38 @@
 //! Every way in which a ticket is refused before it comes to the gate's lock.
 
+use std::hint::black_box;
+
 use faregate::prelude::*;
 use faregate::runtime::host::HostStrategy;
 
-use crate::peers::repeat;
+use crate::peers::VALUE;
 use crate::subjects::{Free, Pass, Stand};
 use crate::support::{Contest, Entrant, Failure};
 
 type OnHost = Stand<Free<HostStrategy>, 1>;
 type Refused = Pass<Free<HostStrategy>, 1>;
 
-type MakeRefused = fn() -> Result<Refused, Failure>;
-
 /// One entrant for each way, with its name.
 pub(crate) fn enter(contest: &mut Contest<'_>) -> Result<Vec<(&'static str, Entrant)>, Failure> {
-    let ways: [(_, MakeRefused); 4] = [
-        ("taken", taken),
-        ("barred", barred),
-        ("in safe mode", in_safe_mode),
-        ("revoked an instant ago", just_revoked),
+    let tickets = [
+        ("taken", taken()?),
+        ("barred", barred()?),
+        ("in safe mode", in_safe_mode()?),
+        ("revoked an instant ago", just_revoked()?),
     ];
     let mut entrants = Vec::new();
-    for (name, way) in ways {
-        let ticket = way()?;
+    for (name, ticket) in tickets {
         if ticket.check().is_ok() {
             return Err(format!("a ticket that was {name} is valid").into());
         }
-        let entrant = repeat(contest, &format!("refused, {name}"), move |v| ticket.invoke(v));
+        let entrant = contest.enter(format!("refused, {name}"), move |n| {
+            let value = black_box(VALUE);
+            for _ in 0..n {
+                // By reference: a copy of the reason would be paid for, too.
+                black_box(&ticket.invoke(value));
+            }
+            assert!(ticket.check().is_err(), "admitted while its refusal was measured");
+        });
         entrants.push((name, entrant));
     }
     Ok(entrants)
