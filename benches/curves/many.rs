@@ -50,6 +50,14 @@ impl<const T: usize> Many<T> {
         Self::new(company - 1)
     }
 
+    fn bar(&self, ticket: usize) {
+        bar(self.stage.agents, &self.stage.supervisor, self.ids[ticket]);
+    }
+
+    fn enter_safe_mode(&self) {
+        safe_mode(self.stage.agents, &self.stage.supervisor);
+    }
+
     /// Another ticket each time.
     fn next(&self) -> usize {
         self.next.set((self.next.get() + STRIDE) % self.ids.len());
@@ -112,16 +120,14 @@ impl Bare {
 
 #[inline(never)]
 fn bar<const T: usize>(agents: &Agents<T>, supervisor: &Supervisor, ticket: TicketId) {
-    if let Ok(revoked) = agents.bar(supervisor, black_box(ticket)) {
-        revoked.without_waiting();
-    }
+    let barred = agents.bar(supervisor, black_box(ticket));
+    barred.expect("the ticket lives").without_waiting();
 }
 
 #[inline(never)]
 fn safe_mode<const T: usize>(agents: &Agents<T>, supervisor: &Supervisor) {
-    if let Ok(revoked) = agents.enter_safe_mode(supervisor, Priority::EMERGENCY) {
-        revoked.without_waiting();
-    }
+    let revoked = agents.enter_safe_mode(supervisor, black_box(Priority::EMERGENCY));
+    revoked.expect("the supervisor is this broker's").without_waiting();
 }
 
 #[inline(never)]
@@ -153,14 +159,9 @@ pub(crate) fn cases() -> impl Iterator<Item = Case> {
 
 fn revoking_cases<const T: usize>(size: usize) -> [Case; 2] {
     let [barring, safing] = [(); 2].map(|()| Many::<T>::new(size));
-    let id = barring.ids[0];
     [
-        Case::new(label::<T>(BAR, size), move || {
-            bar(barring.stage.agents, &barring.stage.supervisor, id);
-        }),
-        Case::new(label::<T>(SAFE_MODE, size), move || {
-            safe_mode(safing.stage.agents, &safing.stage.supervisor);
-        }),
+        Case::new(label::<T>(BAR, size), move || barring.bar(0)),
+        Case::new(label::<T>(SAFE_MODE, size), move || safing.enter_safe_mode()),
     ]
 }
 
@@ -205,15 +206,14 @@ fn enter_barring<'a, const T: usize>(
     contest: &mut Contest<'a>,
     crowd: &'a Many<T>,
 ) -> [Entrant; 3] {
-    let (agents, supervisor) = (crowd.stage.agents, &crowd.stage.supervisor);
-    let (size, first) = (crowd.ids.len(), crowd.ids[0]);
+    let size = crowd.ids.len();
     let mut bare = Bare::new(&crowd.ids);
     [
         contest.enter(label::<T>(BAR, size), move |n| {
-            (0..n).for_each(|_| bar(agents, supervisor, first));
+            (0..n).for_each(|_| crowd.bar(0));
         }),
         contest.enter(label::<T>("bar another each time", size), move |n| {
-            (0..n).for_each(|_| bar(agents, supervisor, crowd.ids[crowd.next()]));
+            (0..n).for_each(|_| crowd.bar(crowd.next()));
         }),
         contest.enter(label::<T>("bare words of another each time", size), move |n| {
             (0..n).for_each(|_| bare.bar());

@@ -71,6 +71,10 @@ impl Crowd {
         Self { agent, standings, tickets: tickets.collect() }
     }
 
+    fn revoke_all(&self) {
+        revoke_all(black_box(self.agent));
+    }
+
     fn valid(&self) -> usize {
         self.tickets.iter().filter(|ticket| ticket.check().is_ok()).count()
     }
@@ -106,7 +110,7 @@ fn label(size: usize) -> String {
 pub(crate) fn cases() -> impl Iterator<Item = Case> {
     [1, MOST].into_iter().map(|size| {
         let crowd = Crowd::new(size);
-        Case::new(label(size), move || revoke_all(black_box(crowd.agent)))
+        Case::new(label(size), move || crowd.revoke_all())
     })
 }
 
@@ -114,7 +118,7 @@ pub(crate) fn measure(bench: &mut Bench, counts: Option<&Counts>) -> Result<(), 
     let crowds = SIZES.map(Crowd::new);
     for (crowd, size) in crowds.iter().zip(SIZES) {
         let valid = (crowd.valid(), {
-            revoke_all(crowd.agent);
+            crowd.revoke_all();
             crowd.valid()
         });
         if valid != (size, 0) {
@@ -133,7 +137,7 @@ fn against_itself(bench: &mut Bench, crowds: &[Crowd; SIZES.len()]) {
     let entrants = crowds.each_ref().map(|crowd| {
         contest.enter(label(crowd.standings.len()), |n| {
             for _ in 0..n {
-                revoke_all(black_box(crowd.agent));
+                crowd.revoke_all();
             }
         })
     });
@@ -151,7 +155,7 @@ fn against_others(bench: &mut Bench, crowds: &[Crowd; SIZES.len()]) {
         [
             contest.enter(format!("one increment for {size}"), |n| {
                 for _ in 0..n {
-                    revoke_all(black_box(crowd.agent));
+                    crowd.revoke_all();
                 }
             }),
             contest.enter(format!("each of {size}"), |n| {
