@@ -1,21 +1,19 @@
 //! Two gates of one agent behind a whole broker, revoked in every way that the
 //! broker offers: with books, policies, hand-over and restoration.
 
+mod made;
+
 use faregate::agents::{self, Revoked};
 use faregate::prelude::*;
 use faregate::runtime;
-use faregate::runtime::clock::MonotonicClock;
-use faregate::runtime::host::{Host, Supported};
-use faregate::tickets::Gate;
+use faregate::runtime::host::Host;
 use faregate::tickets::notify::{NoNotify, Notify};
 use faregate::tickets::platform::Platform;
-use faregate::tickets::recorder::NoLane;
 use faregate_devices_sim::Dice;
 
 use crate::driver::Driver;
 use crate::gates::Ports;
 use crate::room::{Order, Room};
-use crate::strategies::Soaked;
 use crate::subject::{Orders, Outcome, Pass, Subject};
 
 /// How many gates are soaked. The revoker has one more, for itself.
@@ -100,50 +98,6 @@ pub(crate) type WithService<D, L> = Agents<
     { runtime::broker::TICKETS },
     { runtime::broker::SETS },
 >;
-
-/// The scheduler's priority of the service thread: below the revoker, which
-/// serves too, above the holders.
-const SERVICE: u8 = 15;
-
-impl<D: Driver + 'static, L: Soaked, B: Soaked> ByHand<D, L, B> {
-    pub(crate) fn by_hand() -> Outcome<Self> {
-        L::check()?;
-        B::check()?;
-        let clock = MonotonicClock::new();
-        let mut broker =
-            Box::new(agents::Broker::<Ports<B>, _, 4, 8, 2>::new(clock, NoLane, NoNotify));
-        let rooms = [(); GATES].map(|()| Room::leaked());
-        let soaked = broker.agent(Policy::unlimited())?;
-        let other = broker.agent(Policy::unlimited())?;
-        let mut gate = |agent, room| {
-            let gate = Gate::<_, Ports<L>>::new(D::new(room), clock, NoLane);
-            broker.register(agent, Box::leak(Box::new(gate)).key())
-        };
-        let gates = [gate(soaked, rooms[0])?, gate(soaked, rooms[1])?];
-        let own = gate(other, Room::leaked())?;
-        let supervisors =
-            Supervisors { agent: broker.supervisor_of(soaked)?, broker: broker.supervisor() };
-        Self::with(Box::leak(broker), Threads(None), supervisors, rooms, gates, own)
-    }
-}
-
-impl<D: Driver + 'static, L: Supported> WithService<D, L> {
-    pub(crate) fn with_service() -> Outcome<Self> {
-        let mut builder = runtime::Broker::builder()?;
-        let rooms = [(); GATES].map(|()| Room::leaked());
-        let soaked = builder.agent(Policy::unlimited())?;
-        let other = builder.agent(Policy::unlimited())?;
-        let mut gate = |agent, name, room| {
-            builder.gate_behind::<L, _>(agent, name, D::new(room), GateOptions::new())
-        };
-        let gates = [gate(soaked, "one", rooms[0])?, gate(soaked, "two", rooms[1])?];
-        let own = gate(other, "own", Room::leaked())?;
-        let supervisors =
-            Supervisors { agent: builder.supervisor_of(soaked)?, broker: builder.supervisor() };
-        let broker = builder.real_time(SERVICE).start()?;
-        Self::with(broker.agents(), Threads(Some(broker)), supervisors, rooms, gates, own)
-    }
-}
 
 impl<D: Driver, Q: Platform, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
     Agents<D, Q, P, N, G, T, S>

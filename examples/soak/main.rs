@@ -56,7 +56,7 @@ struct Options {
     /// Seeds the dice of holders and revokers.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Soak only what has this text in its strategy's name.
+    /// Soak only what has this text in its strategy's name, and only its share.
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
     /// Do not ask for real-time priority on all cores: under load it takes many

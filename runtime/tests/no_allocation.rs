@@ -8,6 +8,8 @@
 #![cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
 #![expect(clippy::unwrap_used, reason = "what a test needs and does not get fails the test")]
 
+#[path = "no_allocation/bench.rs"]
+mod bench;
 #[path = "no_allocation/lamp.rs"]
 mod lamp;
 #[path = "../../agents/tests/no_allocation/meter.rs"]
@@ -15,22 +17,19 @@ mod meter;
 #[path = "no_allocation/sys.rs"]
 mod sys;
 
-use std::fs;
 use std::sync::atomic::Ordering::SeqCst;
-use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 
-use faregate_agents::{Policy, Supervisor};
+use bench::{Bench, alone, calls_of_threads, threads_named};
+use faregate_runtime::NotValid;
 use faregate_runtime::broker::{TICKETS, WAITERS};
 use faregate_runtime::host::{HostFenced, HostRestartable, HostStrategy, Supported};
 use faregate_runtime::wake::{Wakeup, Woken};
-use faregate_runtime::{Broker, GateOptions, Handle, NotValid};
 use faregate_tickets::amount::Milliwatts;
 use faregate_tickets::clock::{Clock, Duration};
-use faregate_tickets::device::{Estimate, Power};
 use faregate_tickets::id::{HolderId, Priority};
 use faregate_tickets::validity::Function;
-use lamp::{Lamp, Switch, Truth, WATTS};
+use lamp::Switch;
 use meter::{Meter, counted};
 
 #[global_allocator]
@@ -38,71 +37,6 @@ static ALLOCATOR: sys::Counting = sys::Counting;
 
 const SOON: Duration = Duration::from_millis(5);
 const LONG: Duration = Duration::from_secs(20);
-
-/// Two lamps on a supply for one, behind the strategy `S`.
-struct Bench<S: Supported> {
-    broker: Broker,
-    lamps: [Handle<Lamp, S>; 2],
-    truths: [&'static Truth; 2],
-    supervisor: Supervisor,
-    of_agent: Supervisor,
-    agent: faregate_agents::AgentId,
-}
-
-impl<S: Supported> Bench<S> {
-    fn new() -> Self {
-        let mut builder = Broker::builder().unwrap();
-        let agent = builder.agent(Policy::power_margin(WATTS)).unwrap();
-        let truths: [&'static Truth; 2] = [(); 2].map(|()| &*Box::leak(Box::default()));
-        let lamps = truths.map(|truth| {
-            builder.gate_behind(agent, "lamp", Lamp(truth), GateOptions::new()).unwrap()
-        });
-        let supervisor = builder.supervisor();
-        let of_agent = builder.supervisor_of(agent).unwrap();
-        let broker = builder.start().unwrap();
-        Self { broker, lamps, truths, supervisor, of_agent, agent }
-    }
-
-    /// The sensors measure, as often as it takes, until it is seen.
-    fn measure_until(&self, meter: &mut Meter, mut seen: impl FnMut() -> bool) {
-        while !seen() {
-            for (lamp, truth) in self.lamps.iter().zip(&self.truths) {
-                let state = if truth.on.load(SeqCst) { Power::On } else { Power::Off };
-                meter.op(&["broker::observe", "broker::clock"], || {
-                    let measured_at = self.broker.clock().now();
-                    self.broker.observe(lamp.gate(), Estimate { state, measured_at });
-                });
-            }
-            thread::yield_now();
-        }
-    }
-}
-
-/// One test at a time: the threads of a broker are told apart by name.
-fn alone() -> MutexGuard<'static, ()> {
-    static ALONE: Mutex<()> = Mutex::new(());
-    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// The kernel's numbers of this process's threads whose name begins so.
-fn threads_named(name: &str) -> Vec<u32> {
-    let tasks = fs::read_dir("/proc/self/task").unwrap().map(|task| task.unwrap());
-    let named = tasks.filter(|task| {
-        fs::read_to_string(task.path().join("comm")).is_ok_and(|comm| comm.starts_with(name))
-    });
-    named.map(|task| task.file_name().to_str().unwrap().parse().unwrap()).collect()
-}
-
-/// How often the service thread and the recorder have called the allocator. (A
-/// thread's name is cut off after 15 letters.)
-fn calls_of_threads() -> usize {
-    let of = |name| {
-        let threads = threads_named(name);
-        assert_eq!(threads.len(), 1, "{name}");
-        threads.into_iter().map(sys::calls_of).sum::<usize>()
-    };
-    of("faregate-servic") + of("faregate-record")
-}
 
 #[test]
 fn a_flight_allocates_nothing_behind_the_hosts_lock() {
