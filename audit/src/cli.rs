@@ -1,0 +1,115 @@
+//! The commands.
+
+mod check;
+mod show;
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use anyhow::{Context as _, Result, ensure};
+use clap::{Parser, Subcommand};
+use faregate_audit::image::Image;
+use faregate_audit::isa::Isa;
+use faregate_audit::rows::Rows;
+
+/// The static bounded-time audit of the compiled code.
+///
+/// Exits with 0 where all holds, with 1 where something audited does not, with
+/// 2 where the audit could not be made.
+#[derive(Debug, Parser)]
+#[command(version)]
+pub struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Audits the rows and says what breaks them.
+    Check {
+        /// What is audited.
+        #[arg(long, default_value = "audit/rows.toml")]
+        rows: PathBuf,
+        /// As JSON.
+        #[arg(long)]
+        json: bool,
+        /// The objects.
+        #[arg(required = true, value_name = "x86_64=PATH|thumb=PATH")]
+        objects: Vec<Object>,
+    },
+    /// Prints the instructions of a function and of all that it calls, with
+    /// where they stand in the source.
+    Show {
+        /// The object.
+        #[arg(value_name = "x86_64=PATH|thumb=PATH")]
+        object: Object,
+        /// A symbol, or a path in the source.
+        symbol: String,
+    },
+}
+
+/// Whether what is audited holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// It does.
+    Holds,
+    /// It does not, and what was printed says why.
+    Broken,
+}
+
+impl Verdict {
+    fn of(holds: bool) -> Self {
+        if holds { Self::Holds } else { Self::Broken }
+    }
+}
+
+/// An object on the command line.
+#[derive(Clone, Debug)]
+struct Object {
+    isa: Isa,
+    path: PathBuf,
+}
+
+impl FromStr for Object {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (isa, path) = text.split_once('=').ok_or("write x86_64=PATH or thumb=PATH")?;
+        let isa = [Isa::X86_64, Isa::Thumb]
+            .into_iter()
+            .find(|known| known.name() == isa)
+            .ok_or_else(|| format!("{isa} is neither x86_64 nor thumb"))?;
+        Ok(Self { isa, path: path.into() })
+    }
+}
+
+impl Object {
+    fn read(&self) -> Result<Image> {
+        let image = Image::read(&self.path)?;
+        let (found, said) = (image.isa.name(), self.isa.name());
+        ensure!(found == said, "{} is {found}, not {said}", self.path.display());
+        Ok(image)
+    }
+}
+
+fn read_all(objects: &[Object]) -> Result<BTreeMap<Isa, Image>> {
+    let mut images = BTreeMap::new();
+    for object in objects {
+        let before = images.insert(object.isa, object.read()?);
+        ensure!(before.is_none(), "{} is given twice", object.isa.name());
+    }
+    Ok(images)
+}
+
+/// Does what was asked for.
+pub fn run(arguments: Arguments) -> Result<Verdict> {
+    match arguments.command {
+        Command::Check { rows, json, objects } => {
+            check::check(&Rows::read(&rows)?, &read_all(&objects)?, json)
+        }
+        Command::Show { object, symbol } => {
+            show::show(&object.read()?, &symbol).context("nothing to show")
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! All rows, audited on all objects.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use anyhow::{Result, ensure};
+
+use crate::image::Image;
+use crate::isa::Isa;
+use crate::rows::{Row, Rows};
+use crate::walk::{Outcome, audit};
+
+/// What was found for a row.
+#[derive(Debug, serde::Serialize)]
+pub struct Finding {
+    /// The heading that it stands under.
+    pub group: String,
+    /// What it does.
+    pub name: String,
+    /// The function.
+    pub symbol: String,
+    /// For each instruction set that the row names and an object was given for.
+    pub outcomes: BTreeMap<Isa, Outcome>,
+    /// Bounds and excuses that nothing needed.
+    pub idle: Vec<String>,
+}
+
+/// Audits the rows on the objects.
+///
+/// # Errors
+/// Where an object cannot be read, or no row is about any of them.
+pub fn find(rows: &Rows, images: &BTreeMap<Isa, Image>) -> Result<Vec<Finding>> {
+    let mut findings = Vec::new();
+    for row in &rows.rows {
+        let mut outcomes = BTreeMap::new();
+        for isa in &row.targets {
+            if let Some(image) = images.get(isa) {
+                outcomes.insert(*isa, audit(image, row)?);
+            }
+        }
+        if outcomes.is_empty() {
+            continue;
+        }
+        // A bound for the other instruction set alone is no idle one.
+        let all = row.targets.iter().all(|isa| outcomes.contains_key(isa));
+        let idle = if all { idle(row, &outcomes) } else { Vec::new() };
+        let (group, name) = (row.group.clone(), row.name.clone());
+        findings.push(Finding { group, name, symbol: row.symbol.clone(), outcomes, idle });
+    }
+    ensure!(!findings.is_empty(), "no row is about any of these objects");
+    Ok(findings)
+}
+
+/// What the row allows and no object has: it would hide what comes later.
+fn idle(row: &Row, outcomes: &BTreeMap<Isa, Outcome>) -> Vec<String> {
+    let used: BTreeSet<_> = outcomes.values().flat_map(|found| &found.bounds_used).collect();
+    let any = |has: &dyn Fn(&Outcome) -> bool| outcomes.values().any(has);
+    let bounds = row.loops.iter().enumerate().filter(|(at, _)| !used.contains(at));
+    let mut idle: Vec<_> =
+        bounds.map(|(_, bound)| format!("no loop is in {}", bound.within)).collect();
+    let kinds = row.may.iter().filter(|may| !any(&|found| found.excused.contains(*may)));
+    idle.extend(kinds.map(|may| format!("nothing needs {may:?}")));
+    let cold = row.cold.iter().filter(|cold| !any(&|found| found.cold.contains(*cold)));
+    idle.extend(cold.map(|cold| format!("nothing calls the cold {cold}")));
+    let calls = row.system_calls.iter().filter(|name| !any(&|found| found.system_calls.contains(*name)));
+    idle.extend(calls.map(|name| format!("nothing makes the system call {name}")));
+    let outside = row.external.iter().filter(|it| !any(&|found| found.external.contains(&it.symbol)));
+    idle.extend(outside.map(|it| format!("nothing calls {}", it.symbol)));
+    if row.indirect.is_some() && !any(&|found| found.port.is_some()) {
+        idle.push("nothing calls through memory".to_owned());
+    }
+    idle
+}
+
+impl Finding {
+    /// Whether all is as the row says.
+    pub fn holds(&self) -> bool {
+        self.idle.is_empty() && self.outcomes.values().all(|found| found.violations.is_empty())
+    }
+}
