@@ -1,6 +1,7 @@
 //! The commands.
 
 mod check;
+mod items;
 mod show;
 
 use std::collections::BTreeMap;
@@ -19,7 +20,7 @@ use faregate_audit::rows::Rows;
 /// 2 where the audit could not be made.
 #[derive(Debug, Parser)]
 #[command(version)]
-pub struct Arguments {
+pub(crate) struct Arguments {
     #[command(subcommand)]
     command: Command,
 }
@@ -38,6 +39,19 @@ enum Command {
         #[arg(required = true, value_name = "x86_64=PATH|thumb=PATH")]
         objects: Vec<Object>,
     },
+    /// Lists the items whose documentation promises constant time, and compares
+    /// them with the rows.
+    Items {
+        /// What is audited.
+        #[arg(long, default_value = "audit/rows.toml")]
+        rows: PathBuf,
+        /// As JSON.
+        #[arg(long)]
+        json: bool,
+        /// The crates' folders.
+        #[arg(default_values = ["tickets/src", "agents/src", "runtime/src"])]
+        sources: Vec<PathBuf>,
+    },
     /// Prints the instructions of a function and of all that it calls, with
     /// where they stand in the source.
     Show {
@@ -51,7 +65,7 @@ enum Command {
 
 /// Whether what is audited holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
+pub(crate) enum Verdict {
     /// It does.
     Holds,
     /// It does not, and what was printed says why.
@@ -103,10 +117,13 @@ fn read_all(objects: &[Object]) -> Result<BTreeMap<Isa, Image>> {
 }
 
 /// Does what was asked for.
-pub fn run(arguments: Arguments) -> Result<Verdict> {
+pub(crate) fn run(arguments: Arguments) -> Result<Verdict> {
     match arguments.command {
         Command::Check { rows, json, objects } => {
             check::check(&Rows::read(&rows)?, &read_all(&objects)?, json)
+        }
+        Command::Items { rows, json, sources } => {
+            items::items(&Rows::read(&rows)?, &sources, json)
         }
         Command::Show { object, symbol } => {
             show::show(&object.read()?, &symbol).context("nothing to show")

@@ -122,7 +122,7 @@ mod tests {
 
     #[test]
     fn a_path_has_no_hash_and_no_generic_arguments() {
-        let legacy = "_ZN16faregate_tickets4lock3sys16PiMutex$LT$T$C$I$GT$4wait17h00639d2e0302e174E";
+        let legacy = "_ZN16faregate_tickets4lock3sys20PiMutex$LT$T$C$I$GT$4wait17h00639d2e0302e174E";
         assert_eq!(path_of(legacy), "faregate_tickets::lock::sys::PiMutex::wait");
         let v0 = "_RNvMs1b_NtNtCsgEmfK2I1SDS_4core4sync6atomicNtB6_9AtomicU324load";
         assert_eq!(path_of(v0), "core::sync::atomic::AtomicU32::load");
@@ -131,7 +131,7 @@ mod tests {
 
     #[test]
     fn a_trait_s_function_is_its_type_s() {
-        let legacy = "_ZN63_$LT$a..B$LT$T$GT$$u20$as$u20$core..ops..drop..Drop$GT$4drop17h00639d2e0302e174E";
+        let legacy = "_ZN55_$LT$a..B$LT$T$GT$$u20$as$u20$core..ops..drop..Drop$GT$4drop17h00639d2e0302e174E";
         assert_eq!(path_of(legacy), "a::B::drop");
     }
 
