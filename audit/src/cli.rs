@@ -3,6 +3,12 @@
 mod check;
 mod items;
 mod show;
+#[cfg(all(target_os = "linux", target_arch = "x86_64"))]
+mod step;
+#[cfg(not(all(target_os = "linux", target_arch = "x86_64")))]
+#[path = "cli/no_step.rs"]
+mod step;
+mod table;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -38,6 +44,54 @@ enum Command {
         /// The objects.
         #[arg(required = true, value_name = "x86_64=PATH|thumb=PATH")]
         objects: Vec<Object>,
+    },
+    /// Writes the table of the rows into a document, between its markers, or
+    /// compares.
+    Table {
+        /// What is audited.
+        #[arg(long, default_value = "audit/rows.toml")]
+        rows: PathBuf,
+        /// Writes it.
+        #[arg(long, conflicts_with = "check", required_unless_present = "check")]
+        write: bool,
+        /// Compares, and breaks where the document says something else.
+        #[arg(long)]
+        check: bool,
+        /// The document.
+        #[arg(long, default_value = "docs/timing.md")]
+        document: PathBuf,
+        /// The objects: all that the rows are about.
+        #[arg(required = true, value_name = "x86_64=PATH|thumb=PATH")]
+        objects: Vec<Object>,
+    },
+    /// Calls the audited functions with random inputs, one instruction at a
+    /// time, and compares with the bounds. On Linux on x86-64.
+    Step {
+        /// What is audited.
+        #[arg(long, default_value = "audit/rows.toml")]
+        rows: PathBuf,
+        /// As JSON.
+        #[arg(long)]
+        json: bool,
+        /// Calls of each function.
+        #[arg(long, default_value_t = 300)]
+        calls: u64,
+        /// Instructions of each function; no new call is made after them.
+        #[arg(long, default_value_t = 200_000)]
+        instructions: u64,
+        /// The object.
+        #[arg(value_name = "x86_64=PATH")]
+        object: Object,
+    },
+    /// What `step` starts as its child.
+    #[command(hide = true)]
+    StepHost {
+        /// The object.
+        path: PathBuf,
+        /// The function.
+        symbol: String,
+        /// How many calls.
+        calls: u64,
     },
     /// Lists the items whose documentation promises constant time, and compares
     /// them with the rows.
@@ -125,6 +179,13 @@ pub(crate) fn run(arguments: Arguments) -> Result<Verdict> {
         Command::Items { rows, json, sources } => {
             items::items(&Rows::read(&rows)?, &sources, json)
         }
+        Command::Table { rows, write, document, objects, .. } => {
+            table::table(&Rows::read(&rows)?, &read_all(&objects)?, &document, write)
+        }
+        Command::Step { rows, json, calls, instructions, object } => {
+            step::step(&Rows::read(&rows)?, &object, calls, instructions, json)
+        }
+        Command::StepHost { path, symbol, calls } => step::host(&path, &symbol, calls),
         Command::Show { object, symbol } => {
             show::show(&object.read()?, &symbol).context("nothing to show")
         }

@@ -18,7 +18,7 @@
 //! | [`findings`] | all rows, on all objects |
 //! | [`items`] | which public items promise constant time, and which row shows it |
 //! | [`table`] | the table in `docs/timing.md` |
-//! | [`step`] | random calls, single-stepped, against the bounds |
+//! | `step` | random calls, single-stepped, against the bounds (Linux on x86-64) |
 
 pub mod body;
 pub mod code;
@@ -29,6 +29,7 @@ pub mod items;
 pub mod longest;
 pub mod loops;
 pub mod rows;
+#[cfg(all(target_os = "linux", target_arch = "x86_64"))]
 pub mod step;
 pub mod table;
 pub mod values;
