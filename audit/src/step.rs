@@ -54,6 +54,7 @@ pub struct Seen {
 /// # Errors
 /// Where the child cannot be traced, or dies.
 pub fn step(rows: &Rows, image: &Image, path: &Path, effort: Effort) -> Result<Vec<Seen>> {
+    host::stay_on_one_processor()?;
     let stepped: Vec<_> = rows
         .rows
         .iter()

@@ -4,6 +4,7 @@ use std::path::Path;
 use std::process::{Child as Process, Command, Stdio};
 
 use anyhow::{Context as _, Result, bail};
+use nix::sched::{CpuSet, sched_getaffinity, sched_setaffinity};
 use nix::sys::ptrace;
 use nix::sys::signal::Signal;
 use nix::sys::wait::{WaitStatus, waitpid};
@@ -21,6 +22,20 @@ pub(super) struct Child {
 
 /// A child that stands before a call.
 pub(super) struct Stopped<'a>(&'a mut Child);
+
+/// Keeps this process and its children on one processor: from one to another
+/// each step would take several times as long.
+///
+/// # Errors
+/// Where the kernel does not say on which it may be.
+pub(super) fn stay_on_one_processor() -> Result<()> {
+    let this = Pid::from_raw(0);
+    let allowed = sched_getaffinity(this).context("no processors are known")?;
+    let mut one = CpuSet::new();
+    let last = (0..CpuSet::count()).rev().find(|&cpu| allowed.is_set(cpu) == Ok(true));
+    one.set(last.context("no processor is allowed")?)?;
+    sched_setaffinity(this, &one).context("this process cannot stay on one processor")
+}
 
 impl Child {
     /// Starts the program itself as the child.
