@@ -2,6 +2,7 @@
 
 mod check;
 mod items;
+mod reject;
 mod show;
 #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
 mod step;
@@ -106,6 +107,16 @@ enum Command {
         #[arg(default_values = ["tickets/src", "agents/src", "runtime/src"])]
         sources: Vec<PathBuf>,
     },
+    /// Audits the must-reject set: each row has to be rejected for its own
+    /// reason, or accepted where it names none.
+    Reject {
+        /// What is audited, and what is wrong with it.
+        #[arg(long, default_value = "audit/must-reject/rows.toml")]
+        rows: PathBuf,
+        /// The objects.
+        #[arg(required = true, value_name = "x86_64=PATH|thumb=PATH")]
+        objects: Vec<Object>,
+    },
     /// Prints the instructions of a function and of all that it calls, with
     /// where they stand in the source.
     Show {
@@ -174,7 +185,9 @@ fn read_all(objects: &[Object]) -> Result<BTreeMap<Isa, Image>> {
 pub(crate) fn run(arguments: Arguments) -> Result<Verdict> {
     match arguments.command {
         Command::Check { rows, json, objects } => {
-            check::check(&Rows::read(&rows)?, &read_all(&objects)?, json)
+            let rows = Rows::read(&rows)?;
+            ensure!(rows.rows.iter().all(|row| row.rejected.is_none()), "`rejected` is for `reject`");
+            check::check(&rows, &read_all(&objects)?, json)
         }
         Command::Items { rows, json, sources } => {
             items::items(&Rows::read(&rows)?, &sources, json)
@@ -186,6 +199,9 @@ pub(crate) fn run(arguments: Arguments) -> Result<Verdict> {
             step::step(&Rows::read(&rows)?, &object, calls, instructions, json)
         }
         Command::StepHost { path, symbol, calls } => step::host(&path, &symbol, calls),
+        Command::Reject { rows, objects } => {
+            reject::reject(&Rows::read(&rows)?, &read_all(&objects)?)
+        }
         Command::Show { object, symbol } => {
             show::show(&object.read()?, &symbol).context("nothing to show")
         }

@@ -22,6 +22,8 @@ pub struct Finding {
     pub outcomes: BTreeMap<Isa, Outcome>,
     /// Bounds and excuses that nothing needed.
     pub idle: Vec<String>,
+    /// What should be wrong with it.
+    pub rejected: BTreeSet<String>,
 }
 
 /// Audits the rows on the objects.
@@ -42,9 +44,11 @@ pub fn find(rows: &Rows, images: &BTreeMap<Isa, Image>) -> Result<Vec<Finding>> 
         }
         // A bound for the other instruction set alone is no idle one.
         let all = row.targets.iter().all(|isa| outcomes.contains_key(isa));
-        let idle = if all { idle(row, &outcomes) } else { Vec::new() };
+        let rejected: BTreeSet<_> = row.rejected.iter().flatten().cloned().collect();
+        let idle = if all && rejected.is_empty() { idle(row, &outcomes) } else { Vec::new() };
         let (group, name) = (row.group.clone(), row.name.clone());
-        findings.push(Finding { group, name, symbol: row.symbol.clone(), outcomes, idle });
+        let symbol = row.symbol.clone();
+        findings.push(Finding { group, name, symbol, outcomes, idle, rejected });
     }
     ensure!(!findings.is_empty(), "no row is about any of these objects");
     Ok(findings)
@@ -74,6 +78,6 @@ fn idle(row: &Row, outcomes: &BTreeMap<Isa, Outcome>) -> Vec<String> {
 impl Finding {
     /// Whether all is as the row says.
     pub fn holds(&self) -> bool {
-        self.idle.is_empty() && self.outcomes.values().all(|found| found.violations.is_empty())
+        self.idle.is_empty() && self.outcomes.values().all(|found| found.kinds() == self.rejected)
     }
 }

@@ -208,13 +208,9 @@ fn slots(file: &object::File<'_>) -> BTreeMap<u64, Target> {
                 let symbol = symbols.as_ref().and_then(|table| {
                     object::ObjectSymbolTable::symbol_by_index(table, index).ok()
                 });
-                symbol.map(|symbol| {
-                    if symbol.is_definition() {
-                        Target::At(symbol.address())
-                    } else {
-                        Target::Outside(symbol.name().unwrap_or("?").to_owned())
-                    }
-                })
+                // By name, so that the loader may take another object's even
+                // where this one has it.
+                symbol.map(|symbol| Target::Outside(symbol.name().unwrap_or("?").to_owned()))
             }
             _ => u64::try_from(relocation.addend()).ok().map(Target::At),
         };

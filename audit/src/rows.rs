@@ -51,6 +51,10 @@ pub struct Row {
     /// What else it may do, and why: `kind: reason`.
     #[serde(default)]
     pub may: Vec<String>,
+    /// For the must-reject set alone: all kinds of things that the audit finds
+    /// wrong with it. Such a row holds when they are found, and no others.
+    #[serde(default)]
+    pub rejected: Option<Vec<String>>,
     /// Whether some call executes just as many instructions as the bound says.
     #[serde(default)]
     pub reaches_bound: bool,

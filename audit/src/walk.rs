@@ -8,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use anyhow::Result;
 
 use crate::body::{Body, Found};
-use crate::code::{Flow, Kind};
+use crate::code::{Flow, Instruction, Kind, Value};
 use crate::image::{Function, Image};
 use crate::isa::Convention;
 use crate::longest::{Measure, longest};
@@ -47,6 +47,13 @@ pub struct Outcome {
     /// All instructions that it can execute.
     #[serde(skip)]
     pub reached: BTreeSet<u64>,
+}
+
+impl Outcome {
+    /// The kinds of things that are wrong with it.
+    pub fn kinds(&self) -> BTreeSet<String> {
+        self.violations.iter().map(|violation| violation.kind.clone()).collect()
+    }
 }
 
 /// Something that no row may have unless it says so.
@@ -212,19 +219,26 @@ impl Walk<'_> {
         excuse.is_some()
     }
 
-    /// A function that only returns shows nothing: the shim was optimised away.
+    /// A function that does nothing shows nothing: the shim was optimised away.
     fn look_for_emptiness(&mut self, function: &Function) -> Result<()> {
         let (body, _) = Body::read(self.image, function)?;
-        let does = |flow: &Flow| *flow != Flow::Return;
-        let is_empty = body.nodes.values().all(|node| {
-            !does(&node.instruction.flow)
-                || node.instruction.text.starts_with("nop")
-                || node.instruction.text.starts_with("endbr")
-        });
-        if is_empty && !body.nodes.is_empty() {
+        let mut all = body.nodes.values();
+        if !body.nodes.is_empty() && all.all(|node| is_idle(&node.instruction)) {
             self.report(&Found::new(function.start, Kind::Empty, "it does nothing"))?;
         }
         Ok(())
+    }
+}
+
+/// Whether the instruction only returns, or puts into registers what is settled.
+fn is_idle(instruction: &Instruction) -> bool {
+    let is_settled = |(_, value): &(_, Value)| *value != Value::Anything;
+    let fills = ["nop", "endbr", "pop"].iter().any(|name| instruction.text.starts_with(name));
+    let settled = !instruction.writes.is_empty() && instruction.writes.iter().all(is_settled);
+    match instruction.flow {
+        Flow::Return => true,
+        Flow::On => fills || settled,
+        _ => false,
     }
 }
 

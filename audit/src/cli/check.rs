@@ -81,7 +81,7 @@ fn complaints(findings: &[Finding]) -> String {
     text
 }
 
-fn told(violation: &Violation) -> String {
+pub(super) fn told(violation: &Violation) -> String {
     let Violation { kind, place, text, source, detail } = violation;
     let mut told = format!("[{kind}] {detail}\n    at {place}: {text}");
     for frame in source {

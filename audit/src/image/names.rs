@@ -70,7 +70,10 @@ pub enum Role {
 /// The function's role, if it has one.
 pub fn role_of(symbol: &str) -> Option<Role> {
     let path = path_of(symbol);
-    memory(symbol).map(Role::Memory).or_else(|| denied(&path).map(Role::Denied))
+    let allocates = format!("{:#}", demangle(symbol)).contains(" as core::alloc::global::GlobalAlloc>");
+    let allocator = allocates.then_some(Role::Denied(Kind::Allocation));
+    let denied = || denied(&path).map(Role::Denied);
+    memory(symbol).map(Role::Memory).or(allocator).or_else(denied)
 }
 
 fn memory(symbol: &str) -> Option<usize> {

@@ -15,7 +15,7 @@ const LINK: Register = Register(ArmReg::ARM_REG_LR);
 /// Instructions of bounded time, without their conditions, widths and flags.
 const KNOWN: &[&str] = &[
     "adc", "add", "addw", "adr", "and", "asr", "b", "bfc", "bfi", "bic", "bl", "blx", "bx", "cbnz", "cbz",
-    "clrex", "clz", "cmn", "cmp", "cps", "cpsid", "cpsie", "dmb", "dsb", "eor", "hint", "isb", "it", "ldm", "ldmdb", "ldr",
+    "clrex", "clz", "cmn", "cmp", "cps", "cpsid", "cpsie", "dmb", "dsb", "eor", "isb", "it", "ldm", "ldmdb", "ldr",
     "ldrb", "ldrd", "ldrex", "ldrexb", "ldrexh", "ldrh", "ldrsb", "ldrsh", "lsl", "lsr", "mla",
     "mls", "mov", "movs", "movt", "movw", "mrs", "msr", "mul", "mvn", "nop", "orn", "orr", "pkhbt", "pkhtb", "pop",
     "push", "rbit", "rev", "rev16", "revsh", "ror", "rrx", "rsb", "sbc", "sbfx", "sel", "smlabb",
@@ -71,7 +71,11 @@ fn instruction(capstone: &Capstone, insn: &Insn<'_>) -> Result<Instruction> {
     let detail = capstone.insn_detail(insn).map_err(|error| anyhow!("capstone: {error}"))?;
     let arch = detail.arch_detail();
     let arm = arch.arm().context("no Arm instruction")?;
+    let mnemonic = insn.mnemonic().unwrap_or_default();
     let name = capstone.insn_name(insn.id()).unwrap_or_default();
+    // One instruction to the decoder: doing nothing, and waiting for events.
+    let harmless = ["nop", "yield"].into_iter().find(|hint| mnemonic.starts_with(hint));
+    let name = if name == "hint" { harmless.unwrap_or("hint").to_owned() } else { name };
     let operands: Vec<_> = arm.operands().collect();
     let read = Read { name: &name, arm, operands: &operands, implicit: detail.regs_write() };
     let flow = read.flow();
@@ -83,11 +87,7 @@ fn instruction(capstone: &Capstone, insn: &Insn<'_>) -> Result<Instruction> {
         locked: matches!(&*name, "strex" | "strexb" | "strexh" | "strexd" | "dmb" | "dsb" | "isb"),
         breaks: read.breaks(&flow),
         flow,
-        text: format!(
-            "{} {}",
-            insn.mnemonic().unwrap_or_default(),
-            insn.op_str().unwrap_or_default()
-        ),
+        text: format!("{mnemonic} {}", insn.op_str().unwrap_or_default()),
     })
 }
 
