@@ -124,6 +124,6 @@ pub fn names(image: &Image, target: &Target) -> Vec<String> {
             image.function(*address).map(|function| function.names.clone()).unwrap_or_default()
         }
         Target::Outside(name) => vec![name.clone()],
-        Target::Computed => Vec::new(),
+        Target::Held(_) | Target::Computed => Vec::new(),
     }
 }

@@ -54,7 +54,9 @@ pub enum Target {
     At(u64),
     /// A function that another object has.
     Outside(String),
-    /// Whatever a register or memory says at run time.
+    /// Whatever this register holds, which may be settled.
+    Held(Register),
+    /// Whatever memory says at run time.
     Computed,
 }
 

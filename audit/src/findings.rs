@@ -20,7 +20,8 @@ pub struct Finding {
     pub symbol: String,
     /// For each instruction set that the row names and an object was given for.
     pub outcomes: BTreeMap<Isa, Outcome>,
-    /// Bounds and excuses that nothing needed.
+    /// What contradicts the row beside its violations: bounds and excuses that
+    /// nothing needed, and longest paths that are not equal to another row's.
     pub idle: Vec<String>,
     /// What should be wrong with it.
     pub rejected: BTreeSet<String>,
@@ -50,8 +51,32 @@ pub fn find(rows: &Rows, images: &BTreeMap<Isa, Image>) -> Result<Vec<Finding>> 
         let symbol = row.symbol.clone();
         findings.push(Finding { group, name, symbol, outcomes, idle, rejected });
     }
+    for row in rows.rows.iter().filter(|row| row.same_as.is_some()) {
+        let apart = apart(row, &findings);
+        let own = findings.iter_mut().find(|finding| finding.is_of(row));
+        own.into_iter().for_each(|finding| finding.idle.extend(apart.clone()));
+    }
     ensure!(!findings.is_empty(), "no row is about any of these objects");
     Ok(findings)
+}
+
+/// Where the row's longest path is not the one that it names.
+fn apart(row: &Row, findings: &[Finding]) -> Vec<String> {
+    let own = findings.iter().find(|finding| finding.is_of(row));
+    let other = findings.iter().find(|finding| row.same_as.as_ref() == Some(&finding.symbol));
+    let (Some(own), Some(other)) = (own, other) else { return Vec::new() };
+    let differ = own.outcomes.iter().filter_map(|(isa, here)| {
+        let there = other.outcomes.get(isa)?;
+        let same = (here.instructions, here.locked) == (there.instructions, there.locked);
+        let (title, name) = (isa.title(), &other.name);
+        (!same).then(|| {
+            format!(
+                "{title}: {} instructions, not {} as {name:?}",
+                here.instructions, there.instructions
+            )
+        })
+    });
+    differ.collect()
 }
 
 /// What the row allows and no object has: it would hide what comes later.
@@ -76,6 +101,10 @@ fn idle(row: &Row, outcomes: &BTreeMap<Isa, Outcome>) -> Vec<String> {
 }
 
 impl Finding {
+    fn is_of(&self, row: &Row) -> bool {
+        (&self.group, &self.name) == (&row.group, &row.name)
+    }
+
     /// Whether all is as the row says.
     pub fn holds(&self) -> bool {
         self.idle.is_empty() && self.outcomes.values().all(|found| found.kinds() == self.rejected)

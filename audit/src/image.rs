@@ -136,6 +136,12 @@ impl Image {
         self.sources.frames(address)
     }
 
+    /// What an address leads to: itself, or what is in the memory there, where
+    /// the linker or the loader has settled it.
+    pub fn settled(&self, address: u64) -> Target {
+        self.slots.get(&address).cloned().unwrap_or(Target::At(address))
+    }
+
     /// `symbol+0x12`, for messages.
     pub fn place(&self, address: u64) -> String {
         match self.function_around(address) {

@@ -1,7 +1,7 @@
 //! The longest way through a function, when each instruction and each loop has
 //! its cost.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::body::Body;
 use crate::loops::{Loop, Part, Region};
@@ -17,13 +17,19 @@ pub trait Measure {
 
 /// The most that any way from the entry can add up to.
 pub fn longest(body: &Body, region: &Region, measure: &impl Measure) -> u64 {
-    through(body, region, measure).values().copied().max().unwrap_or(0)
+    through(body, region, &BTreeSet::new(), measure).values().copied().max().unwrap_or(0)
 }
 
 /// For each instruction that is reached, the most when it has been executed.
-fn through(body: &Body, region: &Region, measure: &impl Measure) -> BTreeMap<u64, u64> {
+fn through(
+    body: &Body,
+    region: &Region,
+    also: &BTreeSet<u64>,
+    measure: &impl Measure,
+) -> BTreeMap<u64, u64> {
     // What has been added up before an instruction is executed.
-    let mut before = BTreeMap::from([(region.entry, 0)]);
+    let entries = also.iter().chain([&region.entry]);
+    let mut before: BTreeMap<_, _> = entries.map(|entry| (*entry, 0)).collect();
     let mut after = BTreeMap::new();
     for part in &region.parts {
         match part {
@@ -32,7 +38,9 @@ fn through(body: &Body, region: &Region, measure: &impl Measure) -> BTreeMap<u64
                 after.insert(*address, measure.cost(*address).saturating_add(*sum));
             }
             Part::Loop(inner) => {
-                let Some(sum) = before.get(&inner.turn.entry).copied() else { continue };
+                let entries = inner.also.iter().chain([&inner.turn.entry]);
+                let sum = entries.filter_map(|entry| before.get(entry).copied()).max();
+                let Some(sum) = sum else { continue };
                 around(body, inner, measure, sum, &mut after);
             }
         }
@@ -48,7 +56,8 @@ fn through(body: &Body, region: &Region, measure: &impl Measure) -> BTreeMap<u64
 }
 
 /// A loop: as many whole turns as it can make, and one way out. Whether it
-/// looks before or after its body, this is enough.
+/// looks before or after its body, this is enough. Where it can be entered in
+/// the middle of a turn, that is one turn more.
 fn around(
     body: &Body,
     inner: &Loop,
@@ -56,13 +65,15 @@ fn around(
     sum: u64,
     after: &mut BTreeMap<u64, u64>,
 ) {
-    let turn = through(body, &inner.turn, measure);
+    let turn = through(body, &inner.turn, &inner.also, measure);
     let leads_back = |address: &u64| {
         body.nodes.get(address).is_some_and(|node| node.follow.contains(&inner.turn.entry))
     };
     let whole =
         turn.iter().filter(|(at, _)| leads_back(at)).map(|(_, sum)| *sum).max().unwrap_or(0);
-    let turns = whole.saturating_mul(measure.turns(inner)).saturating_add(sum);
+    let begun = u64::from(!inner.also.is_empty());
+    let turns = measure.turns(inner).saturating_add(begun);
+    let turns = whole.saturating_mul(turns).saturating_add(sum);
     after.extend(turn.into_iter().map(|(at, way_out)| (at, turns.saturating_add(way_out))));
 }
 
@@ -74,3 +85,6 @@ impl Part {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -34,9 +34,10 @@ pub struct Loop {
     pub turn: Region,
     /// All its instructions.
     pub nodes: BTreeSet<u64>,
-    /// Whether it is entered at one instruction only. If not, no turn can be
-    /// told from another.
-    pub is_reducible: bool,
+    /// Where else it is entered, in the middle of a turn: compilers make such
+    /// loops of two that share a tail. All ways round lead through the entry of
+    /// `turn` or through an inner loop, so that turns are told apart there.
+    pub also: BTreeSet<u64>,
 }
 
 impl Region {
@@ -96,9 +97,9 @@ impl Loop {
                     .neighbors_directed(*node, petgraph::Direction::Incoming)
                     .any(|from| !nodes.contains(&from))
         };
-        let entries: Vec<_> = nodes.iter().copied().filter(is_entered).collect();
-        let entry = entries.first().copied().unwrap_or(region_entry);
+        let mut also: BTreeSet<_> = nodes.iter().copied().filter(is_entered).collect();
+        let entry = also.pop_first().unwrap_or(region_entry);
         let turn = Region::within(body, entry, &nodes, true);
-        Self { turn, nodes, is_reducible: entries.len() == 1 }
+        Self { turn, nodes, also }
     }
 }

@@ -51,6 +51,8 @@ pub struct Row {
     /// What else it may do, and why: `kind: reason`.
     #[serde(default)]
     pub may: Vec<String>,
+    /// Another row's symbol: the longest paths of both must be equal.
+    pub same_as: Option<String>,
     /// For the must-reject set alone: all kinds of things that the audit finds
     /// wrong with it. Such a row holds when they are found, and no others.
     #[serde(default)]
@@ -132,6 +134,10 @@ impl Row {
         for cold in &self.cold {
             let audited = rows.rows.iter().any(|row| row.symbol == *cold);
             ensure!(audited, "{cold} is cold, and no row of its own audits it");
+        }
+        if let Some(same) = &self.same_as {
+            let audited = rows.rows.iter().any(|row| row.symbol == *same);
+            ensure!(audited, "it has to be as {same}, which no row audits");
         }
         ensure!(self.step || self.step_why.is_some(), "step = false needs a step_why");
         ensure!(

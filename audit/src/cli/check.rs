@@ -70,7 +70,7 @@ fn complaints(findings: &[Finding]) -> String {
     let mut text = String::new();
     for finding in findings {
         for idle in &finding.idle {
-            let _ = writeln!(text, "{}: its row allows too much: {idle}", finding.name);
+            let _ = writeln!(text, "{}: not as its row says: {idle}", finding.name);
         }
         for (isa, found) in &finding.outcomes {
             for violation in &found.violations {

@@ -70,7 +70,7 @@ pub(super) fn decode(
             next: read.next_ip(),
             flow: flow(&read, slots),
             conditional: read.flow_control() == FlowControl::ConditionalBranch,
-            writes: writes(&read, &mut factory),
+            writes: writes(&read, slots, &mut factory),
             locked: is_locked(&read),
             breaks: breaks(&read),
             text,
@@ -85,6 +85,7 @@ fn flow(read: &iced_x86::Instruction, slots: &BTreeMap<u64, Target>) -> Flow {
         OpKind::Memory if read.is_ip_rel_memory_operand() => {
             slots.get(&read.memory_displacement64()).cloned().unwrap_or(Target::Computed)
         }
+        OpKind::Register => Target::Held(register(read.op0_register())),
         _ => Target::Computed,
     };
     match (read.mnemonic(), read.flow_control()) {
@@ -146,6 +147,7 @@ fn is_known(read: &iced_x86::Instruction) -> bool {
 
 fn writes(
     read: &iced_x86::Instruction,
+    slots: &BTreeMap<u64, Target>,
     factory: &mut InstructionInfoFactory,
 ) -> Vec<(Register, Value)> {
     let stack = register(Iced::RSP);
@@ -162,7 +164,7 @@ fn writes(
         .map(|used| (register(used.register()), Value::Anything))
         .collect();
     let known = match read.flow_control() {
-        FlowControl::Next => known_write(read),
+        FlowControl::Next => known_write(read).or_else(|| address_write(read, slots)),
         _ => None,
     };
     let pushed = i64::from(read.stack_pointer_increment());
@@ -205,6 +207,24 @@ fn known_write(read: &iced_x86::Instruction) -> Option<(Register, Value)> {
     };
     let narrow = to.is_gpr32() && matches!(read.code(), Code::Lea_r32_m);
     (!narrow).then_some((register(to), value))
+}
+
+/// The address of a function, as the linker or the loader has settled it.
+fn address_write(
+    read: &iced_x86::Instruction,
+    slots: &BTreeMap<u64, Target>,
+) -> Option<(Register, Value)> {
+    let is_ours = read.op0_kind() == OpKind::Register
+        && read.op0_register().is_gpr64()
+        && read.is_ip_rel_memory_operand();
+    let address = is_ours.then(|| read.memory_displacement64())?;
+    let value = match (read.mnemonic(), slots.get(&address)) {
+        (Mnemonic::Lea, _) => Value::Constant(address),
+        // What is in it is known by its address.
+        (Mnemonic::Mov, Some(_)) => Value::Constant(address),
+        _ => return None,
+    };
+    Some((register(read.op0_register()), value))
 }
 
 /// A register and a number.

@@ -16,6 +16,12 @@ const LIBRARIES: &[&str] = &[
     "core", "alloc", "std", "heapless", "portable_atomic", "lock_api", "compiler_builtins",
 ];
 
+/// Types whose traits are the libraries' too.
+const PRIMITIVE: &[&str] = &[
+    "u8", "u16", "u32", "u64", "u128", "usize", "i8", "i16", "i32", "i64", "i128", "isize", "bool",
+    "char", "str", "f32", "f64",
+];
+
 impl Walk<'_> {
     /// The turns of each of the function's loops, by where it is entered.
     pub(super) fn turns(
@@ -56,11 +62,6 @@ impl Walk<'_> {
         around: &[String],
         length: Option<u64>,
     ) -> Result<u64> {
-        if !inner.is_reducible {
-            let detail = format!("it is entered at two places, in {owner}");
-            self.report(&Found::new(inner.turn.entry, Kind::Loop, detail))?;
-            return Ok(1);
-        }
         if let Some(length) = length {
             // Each turn of a copy handles a byte at least.
             return Ok(length);
@@ -104,14 +105,18 @@ impl Walk<'_> {
             common = Some(shared);
         }
         let frames = common.unwrap_or_default();
-        let is_own = |frame: &&Frame| {
-            let root = frame.function.split("::").next().unwrap_or_default();
-            !LIBRARIES.contains(&root)
-        };
+        let is_own = |frame: &&Frame| !is_library(&frame.function);
         let owner = frames.iter().rev().find(is_own).or(frames.last());
         let symbol = body.nodes.get(&body.entry).and_then(|_| self.image.function(body.entry));
         Ok(owner.map(|frame| frame.function.clone()).or(symbol.map(|it| it.title())).unwrap_or_default())
     }
+}
+
+/// Whether the function belongs to a library, or to a type of the language.
+fn is_library(path: &str) -> bool {
+    let root = path.split("::").next().unwrap_or_default();
+    let of_language = root != path && root.starts_with(|letter: char| !letter.is_alphabetic());
+    LIBRARIES.contains(&root) || PRIMITIVE.contains(&root) || of_language
 }
 
 /// The loop's instructions that are in none of its inner loops.

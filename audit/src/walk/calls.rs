@@ -1,5 +1,7 @@
 //! What an instruction calls, and whether the row allows it.
 
+use std::collections::BTreeSet;
+
 use anyhow::Result;
 use syscalls::Sysno;
 
@@ -19,13 +21,21 @@ impl Walk<'_> {
         registers: &Registers,
         length: Option<u64>,
     ) -> Result<Cost> {
+        if let Some(settled) = settled(target, registers) {
+            let mut worst = Cost::default();
+            for start in settled {
+                let target = self.image.settled(start);
+                worst = worst.or_more(self.called(address, node, &target, registers, length)?);
+            }
+            return Ok(worst);
+        }
         let names = names(self.image, target);
         if self.is_cold(&names) {
             return Ok(Cost::default());
         }
         let role = names.iter().find_map(|name| role_of(name));
         match (target, role) {
-            (Target::Computed, _) => self.computed(address, node, registers),
+            (Target::Held(_) | Target::Computed, _) => self.computed(address, node, registers),
             (Target::Outside(name), None) => self.outside(address, name, registers),
             (Target::At(start), None) => self.inner(address, *start, length),
             (_, Some(Role::Denied(kind))) => self.denied(address, target, kind, &names),
@@ -165,5 +175,14 @@ impl Walk<'_> {
         }
         self.outcome.copies = self.outcome.copies.max(length);
         self.inner(address, *start, length)
+    }
+}
+
+/// The functions that a register can hold, where all of them are known.
+fn settled(target: &Target, registers: &Registers) -> Option<BTreeSet<u64>> {
+    let Target::Held(register) = target else { return None };
+    match registers.get(register)? {
+        Holds::OneOf(addresses) => Some(addresses.clone()),
+        Holds::Stack(_) => None,
     }
 }
