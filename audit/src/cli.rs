@@ -186,12 +186,13 @@ pub(crate) fn run(arguments: Arguments) -> Result<Verdict> {
     match arguments.command {
         Command::Check { rows, json, objects } => {
             let rows = Rows::read(&rows)?;
-            ensure!(rows.rows.iter().all(|row| row.rejected.is_none()), "`rejected` is for `reject`");
+            ensure!(
+                rows.rows.iter().all(|row| row.rejected.is_none()),
+                "`rejected` is for `reject`"
+            );
             check::check(&rows, &read_all(&objects)?, json)
         }
-        Command::Items { rows, json, sources } => {
-            items::items(&Rows::read(&rows)?, &sources, json)
-        }
+        Command::Items { rows, json, sources } => items::items(&Rows::read(&rows)?, &sources, json),
         Command::Table { rows, write, document, objects, .. } => {
             table::table(&Rows::read(&rows)?, &read_all(&objects)?, &document, write)
         }

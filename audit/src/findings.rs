@@ -90,9 +90,11 @@ fn idle(row: &Row, outcomes: &BTreeMap<Isa, Outcome>) -> Vec<String> {
     idle.extend(kinds.map(|may| format!("nothing needs {may:?}")));
     let cold = row.cold.iter().filter(|cold| !any(&|found| found.cold.contains(*cold)));
     idle.extend(cold.map(|cold| format!("nothing calls the cold {cold}")));
-    let calls = row.system_calls.iter().filter(|name| !any(&|found| found.system_calls.contains(*name)));
+    let calls =
+        row.system_calls.iter().filter(|name| !any(&|found| found.system_calls.contains(*name)));
     idle.extend(calls.map(|name| format!("nothing makes the system call {name}")));
-    let outside = row.external.iter().filter(|it| !any(&|found| found.external.contains(&it.symbol)));
+    let outside =
+        row.external.iter().filter(|it| !any(&|found| found.external.contains(&it.symbol)));
     idle.extend(outside.map(|it| format!("nothing calls {}", it.symbol)));
     if row.indirect.is_some() && !any(&|found| found.port.is_some()) {
         idle.push("nothing calls through memory".to_owned());

@@ -14,8 +14,9 @@ use object::{
 };
 
 pub use self::names::{Role, matches, path_of, role_of};
-use self::source::Sources;
 pub use self::source::Frame;
+use self::source::Sources;
+use crate::analysis::Analyses;
 use crate::code::{Instruction, Target};
 use crate::isa::Isa;
 
@@ -30,6 +31,8 @@ pub struct Image {
     slots: BTreeMap<u64, Target>,
     code: Vec<Code>,
     sources: Sources,
+    /// What has been found out about its functions.
+    pub(crate) analyses: Analyses,
 }
 
 /// A function, under all names that the linker gave to its address.
@@ -58,7 +61,8 @@ impl Image {
     /// Where it is not a linked ELF object of a known instruction set, with
     /// symbols and debug information.
     pub fn read(path: &Path) -> Result<Self> {
-        let data = std::fs::read(path).with_context(|| format!("{} cannot be read", path.display()))?;
+        let data =
+            std::fs::read(path).with_context(|| format!("{} cannot be read", path.display()))?;
         Self::parse(&data).with_context(|| format!("{} cannot be audited", path.display()))
     }
 
@@ -73,7 +77,10 @@ impl Image {
             matches!(file.kind(), ObjectKind::Dynamic | ObjectKind::Executable),
             "it is not linked: its calls lead nowhere yet"
         );
-        ensure!(file.symbols().next().is_some(), "it has no symbol table: build with strip = false");
+        ensure!(
+            file.symbols().next().is_some(),
+            "it has no symbol table: build with strip = false"
+        );
         Ok(Self {
             isa,
             compiler: compiler(&file)?,
@@ -81,6 +88,7 @@ impl Image {
             slots: slots(&file),
             code: code(&file, isa)?,
             sources: Sources::read(&file)?,
+            analyses: Analyses::default(),
         })
     }
 
@@ -103,9 +111,8 @@ impl Image {
         if !by_symbol.is_empty() {
             return by_symbol;
         }
-        let by_path = |function: &&Function| {
-            function.names.iter().any(|symbol| path_of(symbol) == name)
-        };
+        let by_path =
+            |function: &&Function| function.names.iter().any(|symbol| path_of(symbol) == name);
         self.functions.values().filter(by_path).collect()
     }
 
@@ -182,11 +189,8 @@ fn functions(file: &object::File<'_>) -> BTreeMap<u64, Function> {
         } else {
             symbol.address()
         };
-        let function = functions.entry(start).or_insert(Function {
-            start,
-            end: start,
-            names: Vec::new(),
-        });
+        let function =
+            functions.entry(start).or_insert(Function { start, end: start, names: Vec::new() });
         function.end = function.end.max(start + symbol.size());
         if !function.names.iter().any(|known| known == name) {
             function.names.push(name.to_owned());
@@ -255,9 +259,9 @@ fn marks(file: &object::File<'_>, within: std::ops::Range<u64>) -> Vec<(u64, boo
         .filter_map(|symbol| {
             let name = symbol.name().ok()?;
             let is_code = name == "$t" || name.starts_with("$t.");
-            let is_data = ["$d", "$a"].iter().any(|mark| {
-                name == *mark || name.starts_with(&format!("{mark}."))
-            });
+            let is_data = ["$d", "$a"]
+                .iter()
+                .any(|mark| name == *mark || name.starts_with(&format!("{mark}.")));
             (is_code || is_data).then_some((symbol.address(), is_code))
         })
         .collect();

@@ -11,8 +11,9 @@ use anyhow::Result;
 use crate::code::{Instruction, Register, Target};
 
 /// An instruction set that the audit reads.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
-#[derive(serde::Deserialize)]
+#[derive(
+    Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize, serde::Deserialize,
+)]
 #[serde(rename_all = "lowercase")]
 pub enum Isa {
     /// x86-64, as Linux programs are compiled for it.

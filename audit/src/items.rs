@@ -125,7 +125,8 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>> {
 
 fn in_file(folder: &Path, root: &str, file: &Path) -> Result<Vec<Promise>> {
     let text = std::fs::read_to_string(file)?;
-    let parsed = syn::parse_file(&text).with_context(|| format!("{} is no Rust", file.display()))?;
+    let parsed =
+        syn::parse_file(&text).with_context(|| format!("{} is no Rust", file.display()))?;
     let sections = Collector::collect(&parsed, module_of(folder, root, file), file);
     // What stands in a macro that the audit cannot read would be lost.
     let written = text.lines().filter(|line| is_heading(line)).count();
@@ -140,7 +141,9 @@ fn in_file(folder: &Path, root: &str, file: &Path) -> Result<Vec<Promise>> {
 
 fn is_heading(line: &str) -> bool {
     let line = line.trim_start();
-    ["///", "//!"].iter().any(|mark| line.strip_prefix(mark).is_some_and(|it| it.trim() == "# Timing"))
+    ["///", "//!"]
+        .iter()
+        .any(|mark| line.strip_prefix(mark).is_some_and(|it| it.trim() == "# Timing"))
 }
 
 fn module_of(folder: &Path, root: &str, file: &Path) -> Vec<String> {

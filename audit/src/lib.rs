@@ -14,12 +14,14 @@
 //! | [`image`] | a linked object: functions, relocations, debug information |
 //! | [`isa`], [`code`] | instruction sets, and what they have in common |
 //! | [`body`], [`values`], [`loops`], [`longest`] | one function: graph, registers, loops, longest path |
+//! | [`analysis`] | these together, done once for each function |
 //! | [`walk`] | a row: the closed call graph, and what is wrong with it |
 //! | [`findings`] | all rows, on all objects |
 //! | [`items`] | which public items promise constant time, and which row shows it |
 //! | [`table`] | the table in `docs/timing.md` |
 //! | `step` | random calls, single-stepped, against the bounds (Linux on x86-64) |
 
+pub mod analysis;
 pub mod body;
 pub mod code;
 pub mod findings;

@@ -17,8 +17,8 @@ use std::path::Path;
 use anyhow::{Context as _, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 
-pub use self::sys::host;
 use self::host::Child;
+pub use self::sys::host;
 use crate::image::Image;
 use crate::isa::Isa;
 use crate::rows::{Row, Rows};
@@ -55,11 +55,8 @@ pub struct Seen {
 /// Where the child cannot be traced, or dies.
 pub fn step(rows: &Rows, image: &Image, path: &Path, effort: Effort) -> Result<Vec<Seen>> {
     host::stay_on_one_processor()?;
-    let stepped: Vec<_> = rows
-        .rows
-        .iter()
-        .filter(|row| row.step && row.targets.contains(&Isa::X86_64))
-        .collect();
+    let stepped: Vec<_> =
+        rows.rows.iter().filter(|row| row.step && row.targets.contains(&Isa::X86_64)).collect();
     let bar = ProgressBar::new(stepped.len() as u64)
         .with_style(ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}")?);
     let mut all = Vec::new();
@@ -114,9 +111,11 @@ impl Seen {
     fn take(&mut self, outcome: &Outcome, image: &Image, call: &Call) {
         self.most = self.most.max(call.counted);
         self.calls += u64::from(call.is_whole);
-        let may_leave =
-            outcome.port.is_some() || !outcome.external.is_empty() || !outcome.cold.is_empty()
-                || !outcome.system_calls.is_empty() || !outcome.excused.is_empty();
+        let may_leave = outcome.port.is_some()
+            || !outcome.external.is_empty()
+            || !outcome.cold.is_empty()
+            || !outcome.system_calls.is_empty()
+            || !outcome.excused.is_empty();
         let unseen = call.first_elsewhere.filter(|_| !may_leave);
         let violation = unseen.map(|address| {
             format!("executes {}, where the audit has not been", image.place(address))

@@ -45,7 +45,8 @@ pub fn markdown(findings: &[Finding], images: &BTreeMap<Isa, Image>) -> String {
             group = Some(&finding.group);
             heading(&mut text, &finding.group, images);
         }
-        let _ = writeln!(text, "| {} |{} {} |", finding.name, figures(finding, images), with(finding));
+        let _ =
+            writeln!(text, "| {} |{} {} |", finding.name, figures(finding, images), with(finding));
     }
     text
 }

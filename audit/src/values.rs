@@ -88,9 +88,9 @@ fn evaluate(value: Value, before: &Registers) -> Option<Holds> {
         Value::Constant(number) => Some(Holds::OneOf(BTreeSet::from([number]))),
         Value::Plus(from, more) => Some(match before.get(&from)? {
             Holds::Stack(offset) => Holds::Stack(offset + more),
-            Holds::OneOf(numbers) => {
-                Holds::OneOf(numbers.iter().map(|number| number.wrapping_add_signed(more)).collect())
-            }
+            Holds::OneOf(numbers) => Holds::OneOf(
+                numbers.iter().map(|number| number.wrapping_add_signed(more)).collect(),
+            ),
         }),
         Value::And(from, mask) => match before.get(&from)? {
             // At most that much deeper: how much depends on the caller.

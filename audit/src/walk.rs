@@ -7,14 +7,15 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use anyhow::Result;
 
+use crate::analysis::Analysis;
 use crate::body::{Body, Found};
 use crate::code::{Flow, Instruction, Kind, Value};
 use crate::image::{Function, Image};
 use crate::isa::Convention;
 use crate::longest::{Measure, longest};
-use crate::loops::{Loop, Region};
+use crate::loops::Loop;
 use crate::rows::Row;
-use crate::values::{Registers, depth, follow};
+use crate::values::{Registers, depth};
 
 /// What the audit found in a row's function, for one object.
 #[derive(Clone, Debug, Default, serde::Serialize)]
@@ -149,21 +150,20 @@ impl Walk<'_> {
     }
 
     fn walk(&mut self, function: &Function, length: Option<u64>) -> Result<Cost> {
-        let (body, leads_nowhere) = Body::read(self.image, function)?;
-        let (registers, lost) = follow(&body, &self.convention);
-        for found in leads_nowhere.iter().chain(&lost) {
+        let analysis = Analysis::of(self.image, function)?;
+        let (body, registers) = (&analysis.body, &analysis.registers);
+        for found in &analysis.found {
             self.report(found)?;
         }
         self.outcome.reached.extend(body.nodes.keys());
         let mut costs = BTreeMap::new();
         for address in body.nodes.keys() {
             let known = registers.get(address).cloned().unwrap_or_default();
-            costs.insert(*address, self.instruction(&body, *address, &known, length)?);
+            costs.insert(*address, self.instruction(body, *address, &known, length)?);
         }
-        let region = Region::of(&body);
-        let turns = self.turns(&body, &region, length)?;
+        let turns = self.turns(&analysis, length)?;
         let along = |of: fn(&Cost) -> u64| {
-            longest(&body, &region, &Along { costs: &costs, turns: &turns, of })
+            longest(body, &analysis.region, &Along { costs: &costs, turns: &turns, of })
         };
         Ok(Cost {
             instructions: along(|cost| cost.instructions),
@@ -221,9 +221,9 @@ impl Walk<'_> {
 
     /// A function that does nothing shows nothing: the shim was optimised away.
     fn look_for_emptiness(&mut self, function: &Function) -> Result<()> {
-        let (body, _) = Body::read(self.image, function)?;
-        let mut all = body.nodes.values();
-        if !body.nodes.is_empty() && all.all(|node| is_idle(&node.instruction)) {
+        let analysis = Analysis::of(self.image, function)?;
+        let mut all = analysis.body.nodes.values();
+        if !analysis.body.nodes.is_empty() && all.all(|node| is_idle(&node.instruction)) {
             self.report(&Found::new(function.start, Kind::Empty, "it does nothing"))?;
         }
         Ok(())

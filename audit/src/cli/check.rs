@@ -34,7 +34,13 @@ pub(super) fn check(rows: &Rows, images: &BTreeMap<Isa, Image>, json: bool) -> R
 fn table(findings: &[Finding]) -> Table {
     let mut table = Table::new();
     table.load_style(presets::UTF8_HORIZONTAL_ONLY).set_header([
-        "what", "on", "instructions", "locked", "stack", "loops", "holds",
+        "what",
+        "on",
+        "instructions",
+        "locked",
+        "stack",
+        "loops",
+        "holds",
     ]);
     for finding in findings {
         for (isa, found) in &finding.outcomes {
@@ -59,9 +65,8 @@ fn table(findings: &[Finding]) -> Table {
 
 fn loops(found: &Outcome) -> String {
     let last = |path: &str| path.rsplit("::").next().unwrap_or_default().to_owned();
-    let loops = found.loops.iter().map(|(owner, most, why)| {
-        format!("{}: {most} {why}", last(owner))
-    });
+    let loops =
+        found.loops.iter().map(|(owner, most, why)| format!("{}: {most} {why}", last(owner)));
     loops.collect::<Vec<_>>().join("; ")
 }
 

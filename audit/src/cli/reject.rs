@@ -17,7 +17,11 @@ pub(super) fn reject(rows: &Rows, images: &BTreeMap<Isa, Image>) -> Result<Verdi
     let findings = find(rows, images)?;
     let mut table = Table::new();
     table.load_style(presets::UTF8_HORIZONTAL_ONLY).set_header([
-        "what", "on", "has to be", "is", "holds",
+        "what",
+        "on",
+        "has to be",
+        "is",
+        "holds",
     ]);
     for finding in &findings {
         for (isa, found) in &finding.outcomes {

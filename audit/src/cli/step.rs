@@ -39,7 +39,11 @@ pub(super) fn step(
 fn table(seen: &[Seen]) -> Table {
     let mut table = Table::new();
     table.load_style(presets::UTF8_HORIZONTAL_ONLY).set_header([
-        "what", "calls", "most seen", "bound", "holds",
+        "what",
+        "calls",
+        "most seen",
+        "bound",
+        "holds",
     ]);
     for row in seen {
         table.add_row([

@@ -20,7 +20,8 @@ pub(super) fn table(
     write: bool,
 ) -> Result<Verdict> {
     let shown = document.display();
-    let text = std::fs::read_to_string(document).with_context(|| format!("{shown} cannot be read"))?;
+    let text =
+        std::fs::read_to_string(document).with_context(|| format!("{shown} cannot be read"))?;
     let table = markdown(&find(rows, images)?, images);
     if write {
         let text = replace(&text, &table).with_context(|| format!("{shown} cannot be changed"))?;

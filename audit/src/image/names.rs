@@ -53,7 +53,8 @@ fn without_generics(path: &str) -> String {
 pub fn matches(path: &str, pattern: &str) -> bool {
     path.match_indices(pattern).any(|(at, _)| {
         let before = path[..at].ends_with("::") || at == 0;
-        let after = path[at + pattern.len()..].starts_with("::") || at + pattern.len() == path.len();
+        let after =
+            path[at + pattern.len()..].starts_with("::") || at + pattern.len() == path.len();
         before && after
     })
 }
@@ -70,7 +71,8 @@ pub enum Role {
 /// The function's role, if it has one.
 pub fn role_of(symbol: &str) -> Option<Role> {
     let path = path_of(symbol);
-    let allocates = format!("{:#}", demangle(symbol)).contains(" as core::alloc::global::GlobalAlloc>");
+    let allocates =
+        format!("{:#}", demangle(symbol)).contains(" as core::alloc::global::GlobalAlloc>");
     let allocator = allocates.then_some(Role::Denied(Kind::Allocation));
     let denied = || denied(&path).map(Role::Denied);
     memory(symbol).map(Role::Memory).or(allocator).or_else(denied)
@@ -88,12 +90,13 @@ fn memory(symbol: &str) -> Option<usize> {
 
 fn denied(path: &str) -> Option<Kind> {
     let begins = |names: &[&str]| names.iter().any(|name| path.starts_with(name));
-    let is_panic = begins(&["core::panicking", "std::panicking", "rust_begin_unwind", "rust_panic"])
-        || path.contains("_fail") && path.starts_with("core::")
-        || path.contains("unwrap_failed")
-        || path.contains("expect_failed")
-        || path.starts_with("core::cell::panic_already")
-        || matches!(path, "abort" | "core::intrinsics::abort" | "_Unwind_Resume");
+    let is_panic =
+        begins(&["core::panicking", "std::panicking", "rust_begin_unwind", "rust_panic"])
+            || path.contains("_fail") && path.starts_with("core::")
+            || path.contains("unwrap_failed")
+            || path.contains("expect_failed")
+            || path.starts_with("core::cell::panic_already")
+            || matches!(path, "abort" | "core::intrinsics::abort" | "_Unwind_Resume");
     let allocators = &["__rust_", "__rdl_", "__rg_", "alloc::", "__rustc::__rust_"];
     if is_panic {
         Some(Kind::Panic)
@@ -111,8 +114,18 @@ fn is_division(path: &str) -> bool {
     let name = path.trim_start_matches("__aeabi_").trim_start_matches("__");
     let (wide, plain) = (name.trim_start_matches('u'), path != name);
     plain
-        && (["divti3", "modti3", "divmodti4", "divdi3", "moddi3", "divmoddi4", "divsi3", "modsi3", "divmodsi4"]
-            .contains(&wide)
+        && ([
+            "divti3",
+            "modti3",
+            "divmodti4",
+            "divdi3",
+            "moddi3",
+            "divmoddi4",
+            "divsi3",
+            "modsi3",
+            "divmodsi4",
+        ]
+        .contains(&wide)
             || ["uidiv", "uidivmod", "idiv", "idivmod", "uldivmod", "ldivmod", "fdiv", "ddiv"]
                 .contains(&name))
         || path.starts_with("compiler_builtins::int::specialized_div_rem")
@@ -125,7 +138,8 @@ mod tests {
 
     #[test]
     fn a_path_has_no_hash_and_no_generic_arguments() {
-        let legacy = "_ZN16faregate_tickets4lock3sys20PiMutex$LT$T$C$I$GT$4wait17h00639d2e0302e174E";
+        let legacy =
+            "_ZN16faregate_tickets4lock3sys20PiMutex$LT$T$C$I$GT$4wait17h00639d2e0302e174E";
         assert_eq!(path_of(legacy), "faregate_tickets::lock::sys::PiMutex::wait");
         let v0 = "_RNvMs1b_NtNtCsgEmfK2I1SDS_4core4sync6atomicNtB6_9AtomicU324load";
         assert_eq!(path_of(v0), "core::sync::atomic::AtomicU32::load");
@@ -134,7 +148,8 @@ mod tests {
 
     #[test]
     fn a_trait_s_function_is_its_type_s() {
-        let legacy = "_ZN55_$LT$a..B$LT$T$GT$$u20$as$u20$core..ops..drop..Drop$GT$4drop17h00639d2e0302e174E";
+        let legacy =
+            "_ZN55_$LT$a..B$LT$T$GT$$u20$as$u20$core..ops..drop..Drop$GT$4drop17h00639d2e0302e174E";
         assert_eq!(path_of(legacy), "a::B::drop");
     }
 

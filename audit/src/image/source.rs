@@ -3,9 +3,9 @@
 use std::fmt;
 use std::sync::Arc;
 
-use gimli::{Dwarf, EndianArcSlice, RunTimeEndian};
 use addr2line::{Context, LookupResult};
 use anyhow::Result;
+use gimli::{Dwarf, EndianArcSlice, RunTimeEndian};
 use object::{Object as _, ObjectSection as _};
 
 use super::path_of;
@@ -33,7 +33,8 @@ pub struct Frame {
 
 impl Sources {
     pub(super) fn read(file: &object::File<'_>) -> Result<Self> {
-        let endian = if file.is_little_endian() { RunTimeEndian::Little } else { RunTimeEndian::Big };
+        let endian =
+            if file.is_little_endian() { RunTimeEndian::Little } else { RunTimeEndian::Big };
         let dwarf = Dwarf::load(|id| {
             let data = file
                 .section_by_name(id.name())

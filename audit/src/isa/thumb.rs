@@ -1,7 +1,9 @@
 //! Thumb-2, by `capstone`.
 
 use anyhow::{Context as _, Result, anyhow, bail};
-use capstone::arch::arm::{ArchMode, ArchExtraMode, ArmCC, ArmInsnDetail, ArmOperand, ArmOperandType, ArmReg};
+use capstone::arch::arm::{
+    ArchExtraMode, ArchMode, ArmCC, ArmInsnDetail, ArmOperand, ArmOperandType, ArmReg,
+};
 use capstone::prelude::*;
 use capstone::{Insn, RegId};
 
@@ -14,14 +16,16 @@ const LINK: Register = Register(ArmReg::ARM_REG_LR);
 
 /// Instructions of bounded time, without their conditions, widths and flags.
 const KNOWN: &[&str] = &[
-    "adc", "add", "addw", "adr", "and", "asr", "b", "bfc", "bfi", "bic", "bl", "blx", "bx", "cbnz", "cbz",
-    "clrex", "clz", "cmn", "cmp", "cps", "cpsid", "cpsie", "dmb", "dsb", "eor", "isb", "it", "ldm", "ldmdb", "ldr",
-    "ldrb", "ldrd", "ldrex", "ldrexb", "ldrexh", "ldrh", "ldrsb", "ldrsh", "lsl", "lsr", "mla",
-    "mls", "mov", "movs", "movt", "movw", "mrs", "msr", "mul", "mvn", "nop", "orn", "orr", "pkhbt", "pkhtb", "pop",
-    "push", "rbit", "rev", "rev16", "revsh", "ror", "rrx", "rsb", "sbc", "sbfx", "sel", "smlabb",
-    "smlal", "smull", "ssat", "stm", "stmdb", "str", "strb", "strd", "strex", "strexb", "strexh", "strh",
-    "sub", "subs", "subw", "sxtab", "sxtah", "sxtb", "sxth", "teq", "tst", "uadd8", "ubfx", "umaal", "umlal", "umull",
-    "uqadd8", "uqsub8", "usat", "usub8", "uxtab", "uxtah", "uxtb", "uxth", "vldmia", "vldr", "vmov", "vpop", "vpush", "vstmia", "vstr", "yield",
+    "adc", "add", "addw", "adr", "and", "asr", "b", "bfc", "bfi", "bic", "bl", "blx", "bx", "cbnz",
+    "cbz", "clrex", "clz", "cmn", "cmp", "cps", "cpsid", "cpsie", "dmb", "dsb", "eor", "isb", "it",
+    "ldm", "ldmdb", "ldr", "ldrb", "ldrd", "ldrex", "ldrexb", "ldrexh", "ldrh", "ldrsb", "ldrsh",
+    "lsl", "lsr", "mla", "mls", "mov", "movs", "movt", "movw", "mrs", "msr", "mul", "mvn", "nop",
+    "orn", "orr", "pkhbt", "pkhtb", "pop", "push", "rbit", "rev", "rev16", "revsh", "ror", "rrx",
+    "rsb", "sbc", "sbfx", "sel", "smlabb", "smlal", "smull", "ssat", "stm", "stmdb", "str", "strb",
+    "strd", "strex", "strexb", "strexh", "strh", "sub", "subs", "subw", "sxtab", "sxtah", "sxtb",
+    "sxth", "teq", "tst", "uadd8", "ubfx", "umaal", "umlal", "umull", "uqadd8", "uqsub8", "usat",
+    "usub8", "uxtab", "uxtah", "uxtb", "uxth", "vldmia", "vldr", "vmov", "vpop", "vpush", "vstmia",
+    "vstr", "yield",
 ];
 
 /// The procedure call standard.
@@ -141,7 +145,9 @@ impl Read<'_> {
             "blx" => Flow::Call(Target::Computed),
             "bx" if self.register(0) == Some(LINK) => Flow::Return,
             "pop" | "ldm" if self.registers().any(|register| register == PROGRAM) => Flow::Return,
-            "ldr" if self.register(0) == Some(PROGRAM) && self.base() == Some(STACK) => Flow::Return,
+            "ldr" if self.register(0) == Some(PROGRAM) && self.base() == Some(STACK) => {
+                Flow::Return
+            }
             "svc" => Flow::Kernel,
             "udf" => Flow::Trap,
             _ if self.written().any(|register| register == PROGRAM) => Flow::Jump(Target::Computed),
@@ -210,7 +216,9 @@ impl Read<'_> {
             "mov" | "movs" | "movw" => {
                 let value = match (self.immediate(1), self.register(1)) {
                     (Some(number), _) => Value::Constant(u64::from(low_word(number))),
-                    (None, Some(from)) if self.operands.len() == 2 && self.is_unshifted(1) => Value::Plus(from, 0),
+                    (None, Some(from)) if self.operands.len() == 2 && self.is_unshifted(1) => {
+                        Value::Plus(from, 0)
+                    }
                     _ => return None,
                 };
                 Some((to?, value))
@@ -230,9 +238,9 @@ impl Read<'_> {
     }
 
     fn is_unshifted(&self, at: usize) -> bool {
-        self.operands.get(at).is_some_and(|operand| {
-            matches!(operand.shift, capstone::arch::arm::ArmShift::Invalid)
-        })
+        self.operands
+            .get(at)
+            .is_some_and(|operand| matches!(operand.shift, capstone::arch::arm::ArmShift::Invalid))
     }
 
     /// `add a, b, #n` and `add a, #n`.
@@ -251,7 +259,9 @@ impl Read<'_> {
         }
         let (base, before) = self.memory()?;
         let after = self.operands.last().and_then(|operand| match operand.op_type {
-            ArmOperandType::Imm(bytes) => Some(if operand.subtracted { -i64::from(bytes) } else { i64::from(bytes) }),
+            ArmOperandType::Imm(bytes) => {
+                Some(if operand.subtracted { -i64::from(bytes) } else { i64::from(bytes) })
+            }
             _ => None,
         });
         Some((base, Value::Plus(base, after.unwrap_or(before))))

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use anyhow::{Result, bail};
 use iced_x86::{
-    Code, CpuidFeature, Decoder, DecoderOptions, FlowControl, Formatter as _, InstructionInfoFactory,
-    IntelFormatter, Mnemonic, OpAccess, OpKind, Register as Iced,
+    Code, CpuidFeature, Decoder, DecoderOptions, FlowControl, Formatter as _,
+    InstructionInfoFactory, IntelFormatter, Mnemonic, OpAccess, OpKind, Register as Iced,
 };
 
 use super::Convention;
@@ -158,7 +158,10 @@ fn writes(
         .filter(|used| {
             matches!(
                 used.access(),
-                OpAccess::Write | OpAccess::CondWrite | OpAccess::ReadWrite | OpAccess::ReadCondWrite
+                OpAccess::Write
+                    | OpAccess::CondWrite
+                    | OpAccess::ReadWrite
+                    | OpAccess::ReadCondWrite
             )
         })
         .map(|used| (register(used.register()), Value::Anything))
@@ -199,10 +202,9 @@ fn known_write(read: &iced_x86::Instruction) -> Option<(Register, Value)> {
             Value::Plus(register(to), immediate()?.cast_signed().wrapping_neg())
         }
         (Mnemonic::And, None) => Value::And(register(to), immediate()?),
-        (Mnemonic::Lea, None) if is_plain_address(read) => Value::Plus(
-            register(read.memory_base()),
-            read.memory_displacement64().cast_signed(),
-        ),
+        (Mnemonic::Lea, None) if is_plain_address(read) => {
+            Value::Plus(register(read.memory_base()), read.memory_displacement64().cast_signed())
+        }
         _ => return None,
     };
     let narrow = to.is_gpr32() && matches!(read.code(), Code::Lea_r32_m);

@@ -47,9 +47,10 @@ impl Walk<'_> {
 
     fn is_cold(&mut self, names: &[String]) -> bool {
         let row = self.row;
-        let mut cold = row.cold.iter().filter(|cold| {
-            names.iter().any(|name| name == *cold || path_of(name) == **cold)
-        });
+        let mut cold = row
+            .cold
+            .iter()
+            .filter(|cold| names.iter().any(|name| name == *cold || path_of(name) == **cold));
         let found = cold.next();
         self.outcome.cold.extend(found.cloned());
         found.is_some()
