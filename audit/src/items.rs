@@ -177,7 +177,7 @@ fn says_constant(says: &str) -> bool {
     let lower = says.to_lowercase();
     let words: Vec<_> = lower.split(|letter: char| !letter.is_alphabetic()).collect();
     words.iter().enumerate().any(|(at, word)| {
-        *word == "constant" && !at.checked_sub(1).is_some_and(|at| words.get(at) == Some(&"not"))
+        *word == "constant" && at.checked_sub(1).is_none_or(|at| words.get(at) != Some(&"not"))
     })
 }
 

@@ -113,7 +113,7 @@ impl Stopped<'_> {
         let moved = entered.rip.wrapping_sub(start);
         let mut call = Call { counted: 0, elsewhere: 0, first_elsewhere: None, is_whole: false };
         let mut at = entered.rip;
-        while at != back.into() && call.counted + call.elsewhere < most {
+        while at != back && call.counted + call.elsewhere < most {
             let own = at.wrapping_sub(moved);
             if is_audited(own) {
                 call.counted += 1;
@@ -124,7 +124,7 @@ impl Stopped<'_> {
             child.step()?;
             at = child.at()?;
         }
-        call.is_whole = at == u64::from(back);
+        call.is_whole = at == back;
         if call.is_whole {
             // To the breakpoint after the call.
             ptrace::cont(child.pid, None).context("the child cannot be continued")?;
