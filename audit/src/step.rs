@@ -12,7 +12,9 @@ mod host;
 #[expect(unsafe_code, reason = "functions of a loaded object are called by address")]
 mod sys;
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+use std::sync::{Mutex, PoisonError};
 
 use anyhow::{Context as _, Result};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -47,51 +49,92 @@ pub struct Seen {
     pub calls: u64,
     /// What contradicts the audit or the row.
     pub violations: Vec<String>,
+    /// Where it was, and the audit was not.
+    #[serde(skip)]
+    unseen: BTreeSet<u64>,
 }
 
-/// Steps all rows for the object at `path`.
+/// A row's function, and what the audit says of it.
+struct Job<'a> {
+    row: &'a Row,
+    outcome: Outcome,
+    start: u64,
+}
+
+/// Steps all rows for the object at `path`, on all processors that there are.
 ///
 /// # Errors
-/// Where the child cannot be traced, or dies.
+/// Where the object cannot be audited. Where a child cannot be traced, or dies,
+/// is a violation of its row.
 pub fn step(rows: &Rows, image: &Image, path: &Path, effort: Effort) -> Result<Vec<Seen>> {
-    host::stay_on_one_processor()?;
-    let stepped: Vec<_> =
-        rows.rows.iter().filter(|row| row.step && row.targets.contains(&Isa::X86_64)).collect();
-    let bar = ProgressBar::new(stepped.len() as u64)
+    host::deepen_stacks()?;
+    let stepped = rows.rows.iter().filter(|row| row.step && row.targets.contains(&Isa::X86_64));
+    let jobs: Vec<_> = stepped.map(|row| Job::of(row, image)).collect::<Result<_>>()?;
+    let bar = ProgressBar::new(jobs.len() as u64)
         .with_style(ProgressStyle::with_template("{bar:30} {pos}/{len} {msg}")?);
-    let mut all = Vec::new();
-    for row in stepped {
-        bar.set_message(row.name.clone());
-        all.push(one(row, image, path, effort).with_context(|| format!("row {:?}", row.name))?);
-        bar.inc(1);
-    }
+    let open = Mutex::new(jobs.iter().enumerate());
+    let done = Mutex::new(BTreeMap::new());
+    let work = |processor| {
+        let pinned = host::stay_on(processor);
+        while let Some((at, job)) = taken(&open) {
+            bar.set_message(job.row.name.clone());
+            let seen = pinned.as_ref().map_or_else(
+                |error| Seen::of(job, [format!("{error:#}")]),
+                |()| job.seen(path, effort),
+            );
+            done.lock().unwrap_or_else(PoisonError::into_inner).insert(at, seen);
+            bar.inc(1);
+        }
+    };
+    // A child is traced by the thread that started it, and by no other.
+    std::thread::scope(|scope| {
+        for processor in host::processors()? {
+            let work = &work;
+            scope.spawn(move || work(processor));
+        }
+        anyhow::Ok(())
+    })?;
     bar.finish_and_clear();
-    Ok(all)
+    let mut all = done.into_inner().unwrap_or_else(PoisonError::into_inner);
+    all.values_mut().for_each(|seen| seen.name_places(image));
+    Ok(all.into_values().collect())
 }
 
-fn one(row: &Row, image: &Image, path: &Path, effort: Effort) -> Result<Seen> {
-    let outcome = audit(image, row)?;
-    let start = image.named(&row.symbol).first().map(|function| function.start);
-    let start = start.with_context(|| format!("there is no function {}", row.symbol))?;
-    let mut seen = Seen {
-        name: row.name.clone(),
-        bound: outcome.instructions,
-        most: 0,
-        calls: 0,
-        violations: Vec::new(),
-    };
-    let mut child = Child::start(path, &row.symbol, effort.calls)?;
-    let mut left = effort.instructions;
-    while let Some(stopped) = child.next()? {
-        let call = stopped.call(start, |address| outcome.reached.contains(&address), left)?;
-        seen.take(&outcome, image, &call);
-        left = left.saturating_sub(call.counted + call.elsewhere);
-        if left == 0 {
-            break;
-        }
+/// The next job, if there is one.
+fn taken<T>(open: &Mutex<impl Iterator<Item = T>>) -> Option<T> {
+    open.lock().unwrap_or_else(PoisonError::into_inner).next()
+}
+
+impl<'a> Job<'a> {
+    fn of(row: &'a Row, image: &Image) -> Result<Self> {
+        let start = image.named(&row.symbol).first().map(|function| function.start);
+        let start = start.with_context(|| format!("there is no function {}", row.symbol))?;
+        Ok(Self { row, outcome: audit(image, row)?, start })
     }
-    seen.judge(row);
-    Ok(seen)
+
+    fn seen(&self, path: &Path, effort: Effort) -> Seen {
+        let mut seen = Seen::of(self, []);
+        if let Err(error) = self.step(&mut seen, path, effort) {
+            seen.violations.push(format!("{error:#}"));
+        }
+        seen.judge(self.row);
+        seen
+    }
+
+    fn step(&self, seen: &mut Seen, path: &Path, effort: Effort) -> Result<()> {
+        let mut child = Child::start(path, &self.row.symbol, effort.calls)?;
+        let mut left = effort.instructions;
+        let is_audited = |address| self.outcome.reached.contains(&address);
+        while let Some(stopped) = child.next()? {
+            let call = stopped.call(self.start, is_audited, left)?;
+            seen.take(&self.outcome, &call);
+            left = left.saturating_sub(call.counted + call.elsewhere);
+            if left == 0 {
+                break;
+            }
+        }
+        Ok(())
+    }
 }
 
 /// One call, as it was executed.
@@ -108,19 +151,32 @@ struct Call {
 }
 
 impl Seen {
-    fn take(&mut self, outcome: &Outcome, image: &Image, call: &Call) {
+    fn of(job: &Job<'_>, violations: impl IntoIterator<Item = String>) -> Self {
+        Self {
+            name: job.row.name.clone(),
+            bound: job.outcome.instructions,
+            most: 0,
+            calls: 0,
+            violations: violations.into_iter().collect(),
+            unseen: BTreeSet::new(),
+        }
+    }
+
+    fn take(&mut self, outcome: &Outcome, call: &Call) {
         self.most = self.most.max(call.counted);
         self.calls += u64::from(call.is_whole);
         let may_leave = outcome.port.is_some()
             || !outcome.external.is_empty()
             || !outcome.cold.is_empty()
-            || !outcome.system_calls.is_empty()
             || !outcome.excused.is_empty();
-        let unseen = call.first_elsewhere.filter(|_| !may_leave);
-        let violation = unseen.map(|address| {
-            format!("executes {}, where the audit has not been", image.place(address))
+        self.unseen.extend(call.first_elsewhere.filter(|_| !may_leave));
+    }
+
+    fn name_places(&mut self, image: &Image) {
+        let unseen = self.unseen.iter().map(|address| {
+            format!("executes {}, where the audit has not been", image.place(*address))
         });
-        self.violations.extend(violation.filter(|new| !self.violations.contains(new)));
+        self.violations.extend(unseen);
     }
 
     fn judge(&mut self, row: &Row) {

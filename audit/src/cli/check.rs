@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use anyhow::Result;
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use faregate_audit::findings::{Finding, find};
 use faregate_audit::image::Image;
 use faregate_audit::isa::Isa;
@@ -31,9 +31,13 @@ pub(super) fn check(rows: &Rows, images: &BTreeMap<Isa, Image>, json: bool) -> R
     Ok(Verdict::of(holds))
 }
 
+/// What most terminals have room for, and logs too.
+const WIDTH: u16 = 140;
+
 fn table(findings: &[Finding]) -> Table {
     let mut table = Table::new();
-    table.load_style(presets::UTF8_HORIZONTAL_ONLY).set_header([
+    table.load_style(presets::UTF8_HORIZONTAL_ONLY);
+    table.set_content_arrangement(ContentArrangement::Dynamic).set_width(WIDTH).set_header([
         "what",
         "on",
         "instructions",

@@ -6,6 +6,7 @@ use std::process::{Child as Process, Command, Stdio};
 use anyhow::{Context as _, Result, bail};
 use nix::sched::{CpuSet, sched_getaffinity, sched_setaffinity};
 use nix::sys::ptrace;
+use nix::sys::resource::{Resource, getrlimit, setrlimit};
 use nix::sys::signal::Signal;
 use nix::sys::wait::{WaitStatus, waitpid};
 use nix::unistd::Pid;
@@ -23,18 +24,38 @@ pub(super) struct Child {
 /// A child that stands before a call.
 pub(super) struct Stopped<'a>(&'a mut Child);
 
-/// Keeps this process and its children on one processor: from one to another
-/// each step would take several times as long.
+/// Lets the children have stacks as deep as they are allowed to be: what sets
+/// up a large static may build it there first.
 ///
 /// # Errors
-/// Where the kernel does not say on which it may be.
-pub(super) fn stay_on_one_processor() -> Result<()> {
-    let this = Pid::from_raw(0);
-    let allowed = sched_getaffinity(this).context("no processors are known")?;
+/// Where the kernel refuses.
+pub(super) fn deepen_stacks() -> Result<()> {
+    let (_, most) = getrlimit(Resource::RLIMIT_STACK).context("no limits are known")?;
+    let depth = most.min(STACK);
+    setrlimit(Resource::RLIMIT_STACK, depth, most).context("the stack's limit cannot be raised")
+}
+
+/// Enough for a static of some ten megabytes, built and moved.
+const STACK: u64 = 1 << 30;
+
+/// The processors that this process may be on.
+///
+/// # Errors
+/// Where the kernel does not say.
+pub(super) fn processors() -> Result<Vec<usize>> {
+    let allowed = sched_getaffinity(Pid::from_raw(0)).context("no processors are known")?;
+    Ok((0..CpuSet::count()).filter(|&cpu| allowed.is_set(cpu) == Ok(true)).collect())
+}
+
+/// Keeps this thread, and children that it starts, on one processor: from one to
+/// another each step would take several times as long.
+///
+/// # Errors
+/// Where the kernel refuses.
+pub(super) fn stay_on(processor: usize) -> Result<()> {
     let mut one = CpuSet::new();
-    let last = (0..CpuSet::count()).rev().find(|&cpu| allowed.is_set(cpu) == Ok(true));
-    one.set(last.context("no processor is allowed")?)?;
-    sched_setaffinity(this, &one).context("this process cannot stay on one processor")
+    one.set(processor)?;
+    sched_setaffinity(Pid::from_raw(0), &one).context("no thread can stay on one processor")
 }
 
 impl Child {
