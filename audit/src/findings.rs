@@ -67,6 +67,7 @@ fn apart(row: &Row, findings: &[Finding]) -> Vec<String> {
     let (Some(own), Some(other)) = (own, other) else { return Vec::new() };
     let differ = own.outcomes.iter().filter_map(|(isa, here)| {
         let there = other.outcomes.get(isa)?;
+        row.same_on.as_ref().is_none_or(|on| on.contains(isa)).then_some(())?;
         let same = (here.instructions, here.locked) == (there.instructions, there.locked);
         let (title, name) = (isa.title(), &other.name);
         (!same).then(|| {

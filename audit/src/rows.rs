@@ -15,6 +15,19 @@ pub struct Rows {
     /// In the order in which they are printed.
     #[serde(rename = "row", default)]
     pub rows: Vec<Row>,
+    /// The bound of each exclusive access, in all rows.
+    exclusive: Option<Exclusive>,
+}
+
+/// A read-modify-write of Thumb-2: it is a loop, which turns again where an
+/// interrupt or another core came between its load and its store.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Exclusive {
+    /// The most turns.
+    pub most: u64,
+    /// What is counted.
+    pub why: String,
 }
 
 /// One audited function, and what is allowed in it.
@@ -53,6 +66,11 @@ pub struct Row {
     pub may: Vec<String>,
     /// Another row's symbol: the longest paths of both must be equal.
     pub same_as: Option<String>,
+    /// Where they must be: on all of the row's targets, or on these.
+    pub same_on: Option<Vec<Isa>>,
+    /// As [`Rows`] says.
+    #[serde(skip)]
+    pub exclusive: Option<Exclusive>,
     /// For the must-reject set alone: all kinds of things that the audit finds
     /// wrong with it. Such a row holds when they are found, and no others.
     #[serde(default)]
@@ -117,7 +135,10 @@ impl Rows {
     /// # Errors
     /// As there.
     pub fn parse(text: &str) -> Result<Self> {
-        let rows: Self = toml::from_str(text)?;
+        let mut rows: Self = toml::from_str(text)?;
+        for row in &mut rows.rows {
+            row.exclusive.clone_from(&rows.exclusive);
+        }
         ensure!(!rows.rows.is_empty(), "it has no rows");
         let mut names = BTreeSet::new();
         for row in &rows.rows {

@@ -91,7 +91,12 @@ fn with(finding: &Finding) -> String {
 fn remarks(found: &Outcome) -> BTreeSet<String> {
     let mut remarks = BTreeSet::new();
     for (owner, most, why) in &found.loops {
-        remarks.insert(format!("loop in `{}`: {most} {why}", short(owner)));
+        let place = if owner.contains("::") {
+            format!("loop in `{}`", short(owner))
+        } else {
+            owner.clone()
+        };
+        remarks.insert(format!("{place}: {most} {why}"));
     }
     if let Some(bytes) = found.copies {
         remarks.insert(format!("copies of {bytes} bytes at most"));

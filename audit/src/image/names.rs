@@ -15,10 +15,24 @@ pub fn path_of(symbol: &str) -> String {
     path
 }
 
-/// `<a::B<T>>::c` is written `a::B::c`, and `<a::B as d::E>::c` too: a row
-/// names the type, whichever trait the function comes from.
+/// `<a::B<T>>::c` is written `a::B::c`, and so are `<a::B as d::E>::c`,
+/// `m::<impl a::B<T>>::c` and `m::<impl d::E for a::B>::c`: a row names the type,
+/// wherever its function stands, whichever trait it comes from, and however the
+/// compiler writes it.
 fn unwrapped(written: &str) -> String {
-    let Some(inside) = written.strip_prefix('<') else { return written.to_owned() };
+    let at = written.find("<impl ").filter(|at| *at == 0 || written[..*at].ends_with("::"));
+    let begins = at.map(|at| at + "<impl ".len());
+    let begins = begins.or_else(|| written.starts_with('<').then_some(1));
+    let Some((this, rest)) = begins.and_then(|at| closed(&written[at..])) else {
+        return written.to_owned();
+    };
+    let this = outside_brackets(this, " as ").map_or(this, |(this, _)| this);
+    let this = outside_brackets(this, " for ").map_or(this, |(_, this)| this);
+    format!("{}{rest}", unwrapped(this))
+}
+
+/// What is before the bracket that closes the one before it, and what is after.
+fn closed(inside: &str) -> Option<(&str, &str)> {
     let mut depth = 1_usize;
     let closing = inside.char_indices().find_map(|(at, letter)| {
         depth = match letter {
@@ -27,12 +41,17 @@ fn unwrapped(written: &str) -> String {
             _ => depth,
         };
         (depth == 0).then_some(at)
-    });
-    let Some(closing) = closing else { return written.to_owned() };
+    })?;
     let (this, rest) = inside.split_at(closing);
-    let this = without_generics(this);
-    let this = this.split_once(" as ").map_or(&*this, |(this, _)| this);
-    format!("{}{}", unwrapped(this), rest.trim_start_matches('>'))
+    Some((this, rest.strip_prefix('>')?))
+}
+
+/// What is before and after the word, where that is in no brackets.
+fn outside_brackets<'a>(text: &'a str, word: &str) -> Option<(&'a str, &'a str)> {
+    let count = |part: &str, bracket: &str| part.matches(bracket).count();
+    text.match_indices(word)
+        .map(|(at, _)| (&text[..at], &text[at + word.len()..]))
+        .find(|(before, _)| count(before, "<") + count(before, "->") == count(before, ">"))
 }
 
 fn without_generics(path: &str) -> String {
@@ -133,7 +152,7 @@ fn is_division(path: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{Role, matches, path_of, role_of};
+    use super::{Role, matches, path_of, role_of, unwrapped};
     use crate::code::Kind;
 
     #[test]
@@ -151,6 +170,23 @@ mod tests {
         let legacy =
             "_ZN55_$LT$a..B$LT$T$GT$$u20$as$u20$core..ops..drop..Drop$GT$4drop17h00639d2e0302e174E";
         assert_eq!(path_of(legacy), "a::B::drop");
+    }
+
+    #[test]
+    fn a_function_is_its_type_s_wherever_it_stands() {
+        let legacy = "_ZN1a5other35_$LT$impl$u20$a..B$LT$_$C$_$GT$$GT$3put17h00639d2e0302e174E";
+        assert_eq!(path_of(legacy), "a::B::put");
+        let traits = "_ZN1a5other39_$LT$impl$u20$d..E$u20$for$u20$a..B$GT$3put17h00639d2e0302e174E";
+        assert_eq!(path_of(traits), "a::B::put");
+    }
+
+    #[test]
+    fn a_closure_is_its_function() {
+        let written = "<<a::B<C> as d::E>::next::{closure#0} as core::ops::function::FnOnce<(F,)>>";
+        assert_eq!(
+            unwrapped(&format!("{written}::call_once")),
+            "a::B<C>::next::{closure#0}::call_once"
+        );
     }
 
     #[test]

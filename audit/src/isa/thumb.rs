@@ -161,7 +161,7 @@ impl Read<'_> {
             "udiv" | "sdiv" | "vdiv" | "vsqrt" => Some(Kind::Division),
             "udf" => Some(Kind::Trap),
             _ if *flow != Flow::On => None,
-            name => (!KNOWN.contains(&name)).then_some(Kind::Unknown),
+            name => (!KNOWN.contains(&name) && !is_parallel(name)).then_some(Kind::Unknown),
         }
     }
 
@@ -274,6 +274,14 @@ impl Read<'_> {
     fn bytes_of_registers(&self, from: usize) -> i64 {
         self.registers().skip(from).map(|register| if is_double(register) { 8 } else { 4 }).sum()
     }
+}
+
+/// Sums and differences of the halves or bytes of a register, one cycle each.
+fn is_parallel(name: &str) -> bool {
+    ["add8", "add16", "sub8", "sub16", "asx", "sax"].iter().any(|what| {
+        let how = name.strip_suffix(what);
+        how.is_some_and(|how| ["s", "q", "sh", "u", "uq", "uh"].contains(&how))
+    })
 }
 
 fn is_double(register: Register) -> bool {

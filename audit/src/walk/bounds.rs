@@ -34,7 +34,7 @@ impl Walk<'_> {
         for part in &region.parts {
             let Part::Loop(inner) = part else { continue };
             let owner = analysis.owners.get(&inner.turn.entry).cloned().unwrap_or_default();
-            let most = self.most(inner, &owner, around, length)?;
+            let most = self.most(analysis, inner, &owner, around, length)?;
             turns.insert(inner.turn.entry, most);
             around.push(owner);
             self.turns_in(analysis, &inner.turn, length, around, turns)?;
@@ -45,6 +45,7 @@ impl Walk<'_> {
 
     fn most(
         &mut self,
+        analysis: &Analysis,
         inner: &Loop,
         owner: &str,
         around: &[String],
@@ -60,6 +61,12 @@ impl Walk<'_> {
             .filter(|(_, bound)| matches(owner, &bound.within))
             .filter(|(_, bound)| bound.depth.is_none_or(|at| at == depth))
             .max_by_key(|(_, bound)| (bound.within.len(), bound.depth.is_some()));
+        let exclusive = self.row.exclusive.as_ref().filter(|_| is_exclusive(analysis, inner));
+        if let (None, Some(bound)) = (fitting, exclusive) {
+            let (most, why) = (bound.most, bound.why.clone());
+            self.outcome.loops.insert(("each exclusive access".to_owned(), most, why));
+            return Ok(most);
+        }
         let Some((at, bound)) = fitting else {
             let detail = format!("no bound is stated for this loop of {owner}, depth {depth}");
             self.report(&Found::new(inner.turn.entry, Kind::Loop, detail))?;
@@ -70,3 +77,18 @@ impl Walk<'_> {
         Ok(bound.most)
     }
 }
+
+/// Whether the loop is one exclusive access and nothing else: a load, a store,
+/// and what is done to the value between them.
+fn is_exclusive(analysis: &Analysis, inner: &Loop) -> bool {
+    let nodes: Vec<_> =
+        inner.nodes.iter().filter_map(|address| analysis.body.nodes.get(address)).collect();
+    let count =
+        |name: &str| nodes.iter().filter(|node| node.instruction.text.starts_with(name)).count();
+    let is_plain = inner.turn.loops().is_empty() && nodes.iter().all(|node| node.calls.is_none());
+    is_plain && count("ldrex") == 1 && count("strex") == 1 && nodes.len() <= LONGEST_EXCLUSIVE
+}
+
+/// The most instructions of an exclusive access. The compiler's have up to
+/// ten; a longer one is a loop of its own.
+const LONGEST_EXCLUSIVE: usize = 16;
