@@ -32,7 +32,9 @@ esac
 targets=${CARGO_TARGET_DIR:-$PWD/target}
 thumb_target=thumbv7em-none-eabihf
 # Tables of addresses make an indirect jump of every `match`; see audit/README.md.
-flags="-C jump-tables=no -C force-frame-pointers=no --remap-path-prefix=$PWD=."
+# Names are of one kind, whichever compiler it is.
+flags="-C jump-tables=no -C force-frame-pointers=no -C symbol-mangling-version=v0"
+flags+=" --remap-path-prefix=$PWD=."
 skipped=()
 
 skip() {
