@@ -13,7 +13,7 @@ use crate::gates::Gates;
 use crate::rivals::{Flagged, Flags};
 #[cfg(target_os = "linux")]
 use crate::strategies::ParkingLot;
-use crate::strategies::{FencedAsleep, Soaked};
+use crate::strategies::Soaked;
 use crate::subject::Outcome;
 
 /// Soaks one kind of subject.
@@ -47,24 +47,10 @@ const SERVICE: &str = "broker, service thread";
 
 /// All rows. The shares are such that each takes a like time.
 pub(crate) fn all() -> Vec<Row> {
-    use Where::{AllCores, OneCpu};
     let mut rows = host(280);
     #[cfg(target_os = "linux")]
     rows.extend(parking_lot(280));
-    rows.extend([
-        row::<HostFenced>("Fenced", GATE, AllCores, 280, |drive, done| {
-            drive.soak(Gates::<HostFenced, Worker>::new, done)
-        }),
-        row::<HostFenced>("Fenced", SERVICE, AllCores, 10, |drive, done| {
-            drive.soak(WithService::<Worker, HostFenced>::with_service, done)
-        }),
-        row::<FencedAsleep>("Fenced, asleep", GATE, OneCpu, 8, |drive, done| {
-            drive.soak(Gates::<FencedAsleep, Worker>::new, done)
-        }),
-        row::<FencedAsleep>("Fenced, asleep", BROKER, OneCpu, 3, |drive, done| {
-            drive.soak(ByHand::<Worker, FencedAsleep, HostStrategy>::by_hand, done)
-        }),
-    ]);
+    rows.extend(fenced());
     #[cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
     rows.extend(restartable());
     rows
@@ -84,6 +70,13 @@ fn parking_lot(share: u64) -> Vec<Row> {
     let broker: Soak =
         |drive, done| drive.soak(ByHand::<Worker, ParkingLot, ParkingLot>::by_hand, done);
     in_both_places::<ParkingLot>("Locked<parking_lot>", share, gate, (BROKER, broker))
+}
+
+fn fenced() -> Vec<Row> {
+    let gate: Soak = |drive, done| drive.soak(Gates::<HostFenced, Worker>::new, done);
+    let service: Soak =
+        |drive, done| drive.soak(WithService::<Worker, HostFenced>::with_service, done);
+    in_both_places::<HostFenced>("Fenced", 280, gate, (SERVICE, service))
 }
 
 #[cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
