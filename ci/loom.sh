@@ -40,6 +40,7 @@ tickets/unfenced | ways::empty_room_by_fence | $one_inside
 agents/early-credit | hand_over::margin_kept | Margin Kept: the draw exceeds the supply
 agents/late-admission | source_death::death_while_served | Source Death: the dead one's charge stays
 agents/lost-bar | bars::bar_against_preemption | Closed Door: a restoration undid a bar
+agents/noted-early | bars::bar_against_grant | Restoration: a reinstated ticket is valid
 agents/stale-estimate | hand_over::only_fresh_estimates_credit | Margin Kept: an old estimate was credited
 agents/taken-in-vain | sets::taken_in_vain | Highest First: a victim was taken in vain
 "

@@ -150,7 +150,11 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
     /// Constant: three atomic writes, which nobody can delay; after them the
     /// service is woken.
     pub fn bar(&self, supervisor: &Supervisor, ticket: TicketId) -> Result<Revoked<'_>, NotYours> {
-        self.standing_of(supervisor, ticket)?.bar(ticket.serial);
+        let standing = self.standing_of(supervisor, ticket)?;
+        #[cfg(feature = "mutant-noted-early")]
+        self.scope.note_bar(ticket.seat);
+        standing.bar(ticket.serial);
+        #[cfg(not(feature = "mutant-noted-early"))]
         self.scope.note_bar(ticket.seat);
         self.notify.service_due();
         // Its grant may be getting gates of other agents at this moment.
