@@ -22,7 +22,7 @@ use crate::ticket::Seat;
 ///
 /// # Timing
 /// A section: four words compared, one store; started again at most
-/// [`RestartableWay::TRIES`] times, then by `S`. Who comes by `S`: that of `S`,
+/// three times, then by `S`. Who comes by `S`: that of `S`,
 /// and `K`'s system call if a tenant's stores were in order since.
 #[derive(Debug)]
 pub struct Restartable<S, K>(PhantomData<fn() -> (S, K)>);
