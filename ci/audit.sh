@@ -12,6 +12,8 @@
 # says; with CI=true it fails there. The same holds for single-stepping where
 # the machine is not Linux on x86-64.
 set -euo pipefail
+# Or a build that fails in `$(...)` would leave the last one to be judged.
+shopt -s inherit_errexit
 cd "$(dirname "$0")/.."
 source ci/lib/bare-metal.sh
 
@@ -74,12 +76,15 @@ for_thumb() {
 
 # Fills `objects` with what can be built of the folder.
 objects_of() {
+    local object
     objects=()
     if host_is_x86_64; then
-        objects+=("$(for_x86_64 "$1" "$2")")
+        object=$(for_x86_64 "$1" "$2")
+        objects+=("$object")
     fi
     if [[ $has_thumb == yes ]]; then
-        objects+=("$(for_thumb "$1" "$2")")
+        object=$(for_thumb "$1" "$2")
+        objects+=("$object")
     fi
 }
 
