@@ -1,6 +1,7 @@
 //! The soak of one subject: its holders hammer, its revoker revokes.
 
 use std::iter::Sum;
+use std::sync::Barrier;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -90,16 +91,17 @@ impl Drive {
         rooms.iter().for_each(|room| room.set_bell(thread::current()));
         let hands = hands(subject.hand_out(), self.place.holders());
         let orders = subject.orders();
-        let stop = AtomicBool::new(false);
+        let (stop, ready) = (AtomicBool::new(false), Barrier::new(hands.len() + 1));
         thread::scope(|scope| {
-            let stop = &stop;
+            let (stop, ready) = (&stop, &ready);
             let mut holders = Vec::new();
             for (number, passes) in (1..).zip(hands) {
                 let (dice, place) = (Dice::new(self.seed, number), self.place);
                 let holder =
                     Hammer { place, orders, dice, held: Held::default(), refused_in_a_row: 0 };
-                holders.push(scope.spawn(move || holder.hammer(&passes, stop)));
+                holders.push(scope.spawn(move || holder.hammer(&passes, ready, stop)));
             }
+            ready.wait();
             let dice = Dice::new(self.seed, 0);
             let mut revoker = Revoker { drive: self, subject, dice, tally: Tally::default() };
             let revoked = (0..self.revocations).try_for_each(|_| {

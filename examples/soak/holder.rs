@@ -1,5 +1,6 @@
 //! The holders: they hammer, refused or not.
 
+use std::sync::Barrier;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use faregate::prelude::Refusal;
@@ -44,9 +45,17 @@ impl Held {
 }
 
 impl Hammer {
-    /// Tries its passes in turn until it is stopped.
-    pub(crate) fn hammer<P: Pass>(mut self, passes: &[P], stop: &AtomicBool) -> Outcome<Held> {
-        self.place.set_up_holder()?;
+    /// Tries its passes in turn until it is stopped. None begins before all are
+    /// set up: the first would keep the others from it, on one processor.
+    pub(crate) fn hammer<P: Pass>(
+        mut self,
+        passes: &[P],
+        ready: &Barrier,
+        stop: &AtomicBool,
+    ) -> Outcome<Held> {
+        let set_up = self.place.set_up_holder();
+        ready.wait();
+        set_up?;
         let mut number = 0_u32;
         // Relaxed: it says nothing about other memory.
         while !stop.load(Ordering::Relaxed) {

@@ -201,7 +201,7 @@ mod tests {
         let room = Room::leaked();
         room.open_for(1);
         let long = std::thread::spawn(|| room.obey(Order { steps: u16::MAX, ..ORDER }));
-        while !(room.is_occupied() && room.is_used()) && !long.is_finished() {
+        while !(long.is_finished() || room.is_occupied() && room.is_used()) {
             spin_loop();
         }
         // Closed and opened for the same holder again: only the count tells.
