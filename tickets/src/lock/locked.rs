@@ -21,7 +21,8 @@ use crate::ticket::Seat;
 /// hears of [`Shut::OwnerDied`].
 ///
 /// # Timing
-/// That of `R`, and two stores.
+/// That of `R`, and two stores. `parking_lot` may allocate when a thread waits
+/// for the first time.
 #[derive(Debug)]
 pub struct Locked<R, I>(PhantomData<fn() -> (R, I)>);
 
