@@ -3,7 +3,7 @@
 use faregate_tickets::validity::{Function, Validity};
 
 use crate::entry;
-use crate::ports::{Adapted, Answering, Bare, Refusing, Ring, Valve};
+use crate::ports::{Adapted, Answering, Bare, OneFence, Refusing, Ring, ShortWay, Valve};
 use crate::random::Random;
 use crate::stage::Stage;
 
@@ -11,6 +11,8 @@ static MASKED: Stage<Valve, Bare> = Stage::new();
 static ADAPTED: Stage<Valve, Adapted> = Stage::new();
 static RECORDED: Stage<Valve, Bare<Ring>> = Stage::new();
 static ANSWERING: Stage<Answering, Bare<Ring>> = Stage::new();
+static SHORT_WAY: Stage<Valve, ShortWay> = Stage::new();
+static FENCED: Stage<Valve, OneFence> = Stage::new();
 
 entry!(invoke_masked, |seed| MASKED.any(seed), MASKED.invoke());
 entry!(try_invoke_masked, |seed| MASKED.any(seed), MASKED.try_invoke());
@@ -19,17 +21,25 @@ entry!(check, |seed| MASKED.any(seed), MASKED.ticket().check());
 entry!(invoke_locked, |seed| ADAPTED.any(seed), ADAPTED.invoke());
 entry!(try_invoke_locked, |seed| ADAPTED.any(seed), ADAPTED.try_invoke());
 entry!(renew_locked, |seed| ADAPTED.any(seed), ADAPTED.ticket().renew());
+entry!(invoke_fenced_short, |seed| SHORT_WAY.at_home(seed), SHORT_WAY.invoke());
+entry!(renew_fenced_short, |seed| SHORT_WAY.at_home(seed), SHORT_WAY.ticket().renew());
+entry!(invoke_fenced, |seed| FENCED.any(seed), FENCED.invoke());
 entry!(invoke_recorded, |seed| RECORDED.any(seed), RECORDED.invoke());
 entry!(invoke_answering, |seed| ANSWERING.any(seed), ANSWERING.invoke());
 
 #[cfg(target_os = "linux")]
 mod pi {
     use super::*;
-    use crate::ports::Pi;
+    use crate::ports::{Latch, OneStore, Pi, StoreOrLock};
 
     static PI: Stage<Valve, Pi> = Stage::new();
     static PI_RECORDED: Stage<Valve, Pi<Ring>> = Stage::new();
 
+    static SECTION: Stage<Latch, OneStore> = Stage::new();
+    static RESTARTABLE: Stage<Latch, StoreOrLock> = Stage::new();
+
+    entry!(invoke_restartable_short, |seed| SECTION.at_home(seed), SECTION.invoke());
+    entry!(invoke_restartable, |seed| RESTARTABLE.any(seed), RESTARTABLE.invoke());
     entry!(invoke_pi, |seed| PI.any(seed), PI.invoke());
     entry!(try_invoke_pi, |seed| PI.any(seed), PI.try_invoke());
     entry!(renew_pi, |seed| PI.any(seed), PI.ticket().renew());

@@ -1,11 +1,19 @@
 //! The ports that the entries stand on, each of them the least that there is.
 
+use core::marker::PhantomData;
+use core::sync::atomic::{AtomicU32, Ordering};
+
 use faregate_tickets::Device;
 use faregate_tickets::amount::Milliwatts;
 use faregate_tickets::clock::{Clock, Duration, Instant};
 use faregate_tickets::device::{Declaration, Effect, Profile};
-use faregate_tickets::lock::{Exclusion, Locked, Masked, Owner, Shut, Strategy};
+use faregate_tickets::lock::{
+    Exclusion, Fenced, Locked, Masked, Owner, Shut, Strategy, Wait,
+};
+#[cfg(target_os = "linux")]
+use faregate_tickets::lock::{PiLocked, Restartable, Rseq};
 use faregate_tickets::recorder::{Lane, NoLane, Record};
+use faregate_tickets::ticket::Seat;
 
 use crate::sys::Register;
 use crate::sys::mutex::{OneExchange, OneThread};
@@ -139,30 +147,83 @@ impl Lane for Ring {
     }
 }
 
-/// A gate that its agent enters and no holder does: what is left of an
-/// invocation then is all that a refused one costs.
+/// A device whose commands are one store, which its gate may do itself.
 #[derive(Debug)]
-pub(crate) struct AgentOnly;
+pub(crate) struct Latch(());
 
-/// The value behind an [`AgentOnly`] gate.
-#[derive(Debug)]
-pub(crate) struct AgentOnlyLock<L>(L);
+static LATCH: AtomicU32 = AtomicU32::new(0);
 
-impl Strategy for AgentOnly {
-    type Lock<T: Send> = AgentOnlyLock<<Masked as Strategy>::Lock<T>>;
+impl Bench for Latch {
+    const NEW: Self = Self(());
 }
 
-impl<T, L: Exclusion<T>> Exclusion<T> for AgentOnlyLock<L> {
+impl Device for Latch {
+    type Command = Setting;
+    type Response = ();
+    type Fault = ();
+
+    fn profile(&self) -> Profile {
+        // A ticket for a device without draw has no lease, and a gate stores by
+        // itself only where nothing runs out.
+        Profile::new()
+    }
+
+    fn declare(_: &Setting) -> Declaration {
+        Setting::Same.declare()
+    }
+
+    fn register(&self) -> Option<&'static AtomicU32> {
+        Some(&LATCH)
+    }
+
+    fn word(command: &Setting) -> Option<(u32, ())> {
+        Some((*command as u32, ()))
+    }
+
+    fn issue(&mut self, command: Setting) -> Result<(), ()> {
+        LATCH.store(command as u32, Ordering::Relaxed);
+        Ok(())
+    }
+
+    fn safe(&mut self) -> Result<(), ()> {
+        self.issue(Setting::Off)
+    }
+}
+
+/// The strategy `S`, of which the audit stops at the entrance: what is behind
+/// it has rows of its own. Whoever is refused before it, and whoever has a way
+/// of its own past it, shows its own cost.
+#[derive(Debug)]
+pub(crate) struct Apart<S>(PhantomData<fn() -> S>);
+
+/// The lock behind [`Apart`].
+#[derive(Debug)]
+pub(crate) struct ApartLock<L>(L);
+
+impl<S: Strategy> Strategy for Apart<S> {
+    type Lock<T: Send> = ApartLock<S::Lock<T>>;
+}
+
+impl<T: Send, L: Exclusion<T>> Exclusion<T> for ApartLock<L> {
+    type Way<'l>
+        = &'l Self
+    where
+        Self: 'l;
+
+    fn way<'l>(&'l self, _: &Seat<'l>, _: Duration) -> &'l Self {
+        self
+    }
+
     fn new(value: T) -> Self {
         Self(L::new(value))
     }
 
-    fn with<R>(&self, _: impl FnOnce(&mut T) -> R) -> Result<R, Shut> {
-        Err(Shut::Busy)
+    fn with<R>(&self, f: impl FnOnce(&mut T) -> R) -> Result<R, Shut> {
+        entrance(|| self.0.with(f))
     }
 
-    fn try_with<R>(&self, _: impl FnOnce(&mut T) -> R) -> Result<R, Shut> {
-        Err(Shut::Busy)
+    fn try_with<R>(&self, f: impl FnOnce(&mut T) -> R) -> Result<R, Shut> {
+        entrance(|| self.0.try_with(f))
     }
 
     fn with_until<R>(
@@ -174,13 +235,45 @@ impl<T, L: Exclusion<T>> Exclusion<T> for AgentOnlyLock<L> {
     }
 }
 
+/// Where the audit stops.
+#[inline(never)]
+fn entrance<R>(enter: impl FnOnce() -> R) -> R {
+    enter()
+}
+
+/// Looks once whether a command in flight is over: how to wait for it is the
+/// port's, and nobody else is here.
+#[derive(Debug)]
+pub(crate) struct Glance;
+
+impl Wait for Glance {
+    fn until(_: Duration, mut over: impl FnMut() -> bool) -> bool {
+        over()
+    }
+}
+
 /// The default of Linux hosts.
 #[cfg(target_os = "linux")]
 pub(crate) type Pi<L = NoLane> =
-    (faregate_tickets::lock::PiLocked<crate::sys::thread::TheThread>, Word, L);
+    (PiLocked<crate::sys::thread::TheThread>, Word, L);
 /// The default of one core without an operating system.
 pub(crate) type Bare<L = NoLane> = (Masked, Word, L);
 /// The adapter for any `lock_api` mutex, over the least of them.
 pub(crate) type Adapted<L = NoLane> = (Locked<OneExchange, OneThread>, Word, L);
-/// Holders are refused.
-pub(crate) type Refusing = (AgentOnly, Word, NoLane);
+/// Whoever goes through the lock leaves the row.
+pub(crate) type Refusing = (Apart<Masked>, Word, NoLane);
+/// The tenant's own way with one fence, past a lock that leaves the row.
+pub(crate) type ShortWay = (Fenced<Apart<Masked>, Glance>, Word, NoLane);
+/// One fence, and the lock behind it.
+pub(crate) type OneFence = (Fenced<Masked, Glance>, Word, NoLane);
+/// The tenant's own way with one store, past a lock that leaves the row.
+#[cfg(target_os = "linux")]
+pub(crate) type OneStore =
+    (Restartable<Apart<Masked>, Rseq<crate::sys::thread::TheThread>>, Word, NoLane);
+/// One store, and the lock behind it.
+#[cfg(target_os = "linux")]
+pub(crate) type StoreOrLock = (
+    Restartable<PiLocked<crate::sys::thread::TheThread>, Rseq<crate::sys::thread::TheThread>>,
+    Word,
+    NoLane,
+);

@@ -12,6 +12,8 @@ pub(crate) mod thread;
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 
+use faregate_tickets::lock::Excludes;
+
 /// A place in a static for what an entry works on.
 ///
 /// Entries are called one at a time, by one thread, and each is called after
@@ -116,6 +118,9 @@ impl<T: Copy> Register<T> {
         unsafe { self.0.get().write_volatile(value) }
     }
 }
+
+// SAFETY: one closure at a time is given on to `S`, whose own contract this is.
+unsafe impl<S: Excludes> Excludes for crate::ports::Apart<S> {}
 
 /// A set-up has failed. The core never comes here: the audit rejects an entry
 /// that could.
