@@ -86,13 +86,19 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         candidates
     }
 
-    /// Keeps the candidates in order while they are collected.
+    /// Keeps the candidates in order while they are collected: whoever is
+    /// displaced displaces the next. (To insert in the middle of a vector is
+    /// a copy whose length nothing in the code bounds.)
     fn insert(&self, candidates: &mut Candidates, seat: u16) {
-        let rank = self.grant(seat).map(super::Grant::rank);
-        let place =
-            candidates.iter().position(|other| self.grant(*other).map(super::Grant::rank) > rank);
+        let rank = |seat: u16| self.grant(seat).map(super::Grant::rank);
+        let mut displaced = seat;
+        for place in candidates.iter_mut() {
+            if rank(*place) > rank(displaced) {
+                core::mem::swap(place, &mut displaced);
+            }
+        }
         // There is room for every gate and every set.
-        let _ = candidates.insert(place.unwrap_or(candidates.len()), seat);
+        let _ = candidates.push(displaced);
     }
 
     /// The first of a gate's roster; below the floor, only a tenant that is
