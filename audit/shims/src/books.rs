@@ -2,7 +2,8 @@
 
 use core::mem::forget;
 
-use faregate_agents::{Ask, Books, Done, Event, Handle, RequestRefused};
+use faregate_agents::measure::step;
+use faregate_agents::{Actions, Books, Done, Event, Handle, RequestRefused};
 use faregate_tickets::Ticket;
 use faregate_tickets::amount::Milliwatts;
 use faregate_tickets::clock::Instant;
@@ -21,9 +22,9 @@ use crate::stage::{Stage, Tickets};
 use crate::sys::Slot;
 
 /// As many gates as the stated bounds are for.
-const GATES: usize = 8;
-const SEATS: usize = 32;
-const SETS: usize = 4;
+const GATES: usize = 4;
+const SEATS: usize = 16;
+const SETS: usize = 2;
 
 type Small = Stage<Valve, Bare<Ring>, Bare<Ring>, GATES, SEATS, SETS>;
 type Agency = Tickets<Bare<Ring>, GATES, SEATS, SETS>;
@@ -31,7 +32,8 @@ type Gates = Handle<'static, Valve, Bare<Ring>>;
 
 static STAGE: Small = Stage::new();
 static BOOKS: Slot<Books<GATES, SEATS, SETS>> = Slot::empty();
-static ASK: Slot<Ask> = Slot::empty();
+static EVENT: Slot<Event> = Slot::empty();
+static ACTIONS: Slot<Actions> = Slot::empty();
 static PRIORITY: Slot<Priority> = Slot::empty();
 static NAMED: Slot<TicketId> = Slot::empty();
 static FOUND: Slot<Found> = Slot::empty();
@@ -71,14 +73,9 @@ fn in_flight(random: &mut Random) {
     }
     BOOKS.fill(broker.books().expect("books"));
     PRIORITY.fill(Priority::new(random.byte()));
-    let ask = Ask::new(Priority::new(random.byte()), gate(random), Validity::always());
-    let ask = if random.flip() { ask } else { second(ask, random) };
-    ASK.fill(ask);
-    FOUND.fill(found(random));
-}
-
-fn second(ask: Ask, random: &mut Random) -> Ask {
-    ask.clone().and(gate(random), Validity::always()).unwrap_or(ask)
+    let found = FOUND.fill(found(random));
+    EVENT.fill(event(found, random));
+    ACTIONS.fill(Actions::default());
 }
 
 fn something_happens(broker: &'static Agency, random: &mut Random) {
@@ -125,6 +122,30 @@ fn want(random: &mut Random) -> faregate_agents::Want<'static, Valve, Bare<Ring>
     handle.limited(Validity::always())
 }
 
+/// Anything that can happen.
+fn event(found: &Found, random: &mut Random) -> Event {
+    let &Found { now, gate, ticket, epoch, tenure, attempt, .. } = found;
+    let seat = ticket.seat;
+    match random.below(16) {
+        0 => Event::Noticed { broker: found.seen, agents: found.agents, survivors: 1 },
+        1 => Event::Relinquished { ticket, gate, holder: Holder::Died },
+        2 => Event::Barred { seat, epoch },
+        3 => Event::HitByStaleBar { seat, epoch },
+        4 => Event::Reinstated(ticket),
+        5 => Event::Observed(gate, found.estimate),
+        6 => Event::Supply { agent: 0, supply: found.supply },
+        7 => Event::RanOut { gate, serial: ticket.serial, ends_ticket: found.ends_ticket },
+        8 => Event::Faults(found.faults),
+        9 => Event::Reset(gate),
+        10 => Event::Done(Done::Vacated { gate, ended: tenure, vacated: found.vacated }),
+        11 => Event::Done(Done::Safed { gate, tenure, attempt, safed: Safed { at: now } }),
+        12 => Event::Done(Done::SeenOff { gate, at: now }),
+        13 => Event::Done(Done::Admitted { gate, after: tenure, tenure: tenure + 1, ticket }),
+        14 => Event::Done(Done::Blocked { gate, tenure, blocked: found.blocked }),
+        _ => Event::Tick(now),
+    }
+}
+
 fn found(random: &mut Random) -> Found {
     let now = Instant::from_micros(NOW.read() + random.below(1 << 20));
     let report = |gate| STAGE.broker().device(gate).and_then(|device| device.tenant);
@@ -162,98 +183,10 @@ fn set_up(seed: u64) {
     in_flight(&mut Random::new(seed));
 }
 
-fn step(event: impl FnOnce(&Found) -> Event) -> impl Sized {
-    BOOKS.get_mut().step(event(FOUND.get()))
-}
-
-entry!(books_request, |seed| set_up(seed), BOOKS.get_mut().request(ASK.get()));
-entry!(
-    books_extend,
-    |seed| set_up(seed),
-    BOOKS.get_mut().extend(*NAMED.get(), FOUND.get().gate, Validity::always())
-);
-entry!(
-    books_relinquished,
-    |seed| set_up(seed),
-    BOOKS.get_mut().relinquished(FOUND.get().ticket, FOUND.get().gate, Holder::Died)
-);
+entry!(books_step, |seed| set_up(seed), {
+    step(BOOKS.get_mut(), ACTIONS.get_mut(), EVENT.take());
+});
 entry!(books_work, |seed| set_up(seed), BOOKS.get().work());
-entry!(step_tick, |seed| set_up(seed), step(|found| Event::Tick(found.now)));
-entry!(
-    step_noticed,
-    |seed| set_up(seed),
-    step(|found| Event::Noticed { broker: found.seen, agents: found.agents, survivors: 1 })
-);
-entry!(
-    step_relinquished,
-    |seed| set_up(seed),
-    step(|&Found { ticket, gate, .. }| {
-        Event::Relinquished { ticket, gate, holder: Holder::Died }
-    })
-);
-entry!(
-    step_barred,
-    |seed| set_up(seed),
-    step(|&Found { ticket, epoch, .. }| Event::Barred { seat: ticket.seat, epoch })
-);
-entry!(
-    step_hit_by_stale_bar,
-    |seed| set_up(seed),
-    step(|&Found { ticket, epoch, .. }| Event::HitByStaleBar { seat: ticket.seat, epoch })
-);
-entry!(step_reinstated, |seed| set_up(seed), step(|found| Event::Reinstated(found.ticket)));
-entry!(
-    step_observed,
-    |seed| set_up(seed),
-    step(|found| Event::Observed(found.gate, found.estimate))
-);
-entry!(
-    step_supply,
-    |seed| set_up(seed),
-    step(|found| Event::Supply { agent: 0, supply: found.supply })
-);
-entry!(
-    step_ran_out,
-    |seed| set_up(seed),
-    step(|&Found { gate, ticket, ends_ticket, .. }| {
-        Event::RanOut { gate, serial: ticket.serial, ends_ticket }
-    })
-);
-entry!(step_faults, |seed| set_up(seed), step(|found| Event::Faults(found.faults)));
-entry!(step_reset, |seed| set_up(seed), step(|found| Event::Reset(found.gate)));
-entry!(
-    step_vacated,
-    |seed| set_up(seed),
-    step(|&Found { gate, tenure, vacated, .. }| {
-        Event::Done(Done::Vacated { gate, ended: tenure, vacated })
-    })
-);
-entry!(
-    step_safed,
-    |seed| set_up(seed),
-    step(|&Found { gate, tenure, attempt, now, .. }| {
-        Event::Done(Done::Safed { gate, tenure, attempt, safed: Safed { at: now } })
-    })
-);
-entry!(
-    step_seen_off,
-    |seed| set_up(seed),
-    step(|&Found { gate, now, .. }| Event::Done(Done::SeenOff { gate, at: now }))
-);
-entry!(
-    step_admitted,
-    |seed| set_up(seed),
-    step(|&Found { gate, tenure, ticket, .. }| {
-        Event::Done(Done::Admitted { gate, after: tenure, tenure: tenure + 1, ticket })
-    })
-);
-entry!(
-    step_blocked,
-    |seed| set_up(seed),
-    step(|&Found { gate, tenure, blocked, .. }| {
-        Event::Done(Done::Blocked { gate, tenure, blocked })
-    })
-);
 
 // The same through the broker: what a program calls.
 entry!(

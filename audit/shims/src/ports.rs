@@ -7,9 +7,7 @@ use faregate_tickets::Device;
 use faregate_tickets::amount::Milliwatts;
 use faregate_tickets::clock::{Clock, Duration, Instant};
 use faregate_tickets::device::{Declaration, Effect, Profile};
-use faregate_tickets::lock::{
-    Exclusion, Fenced, Locked, Masked, Owner, Shut, Strategy, Wait,
-};
+use faregate_tickets::lock::{Exclusion, Fenced, Locked, Masked, Owner, Shut, Strategy, Wait};
 #[cfg(target_os = "linux")]
 use faregate_tickets::lock::{PiLocked, Restartable, Rseq};
 use faregate_tickets::recorder::{Lane, NoLane, Record};
@@ -254,8 +252,7 @@ impl Wait for Glance {
 
 /// The default of Linux hosts.
 #[cfg(target_os = "linux")]
-pub(crate) type Pi<L = NoLane> =
-    (PiLocked<crate::sys::thread::TheThread>, Word, L);
+pub(crate) type Pi<L = NoLane> = (PiLocked<crate::sys::thread::TheThread>, Word, L);
 /// The default of one core without an operating system.
 pub(crate) type Bare<L = NoLane> = (Masked, Word, L);
 /// The adapter for any `lock_api` mutex, over the least of them.

@@ -38,37 +38,37 @@ entry!(scope_leave_safe_mode, |seed| alone(seed), SCOPE.get().leave_safe_mode())
 
 /// The same operations at brokers of different sizes.
 macro_rules! at_broker {
-    ($stage:ident, $size:literal, $gates:literal, $seats:literal, $sets:literal) => {
+    ($stage:ident, $set_up:ident, $size:literal, $gates:literal, $seats:literal, $sets:literal) => {
         static $stage: Stage<Valve, Bare, Bare, $gates, $seats, $sets> = Stage::new();
 
         pastey::paste! {
             entry!(
                 [<bar_ $size>],
-                |seed| $stage.valid(&mut Random::new(seed)),
+                |seed| $stage.$set_up(&mut Random::new(seed)),
                 $stage.bar()
             );
             entry!(
                 [<revoke_agent_ $size>],
-                |seed| $stage.valid(&mut Random::new(seed)),
+                |seed| $stage.$set_up(&mut Random::new(seed)),
                 $stage.enter_safe_mode($stage.of_agent.get())
             );
             entry!(
                 [<revoke_all_ $size>],
-                |seed| $stage.valid(&mut Random::new(seed)),
+                |seed| $stage.$set_up(&mut Random::new(seed)),
                 $stage.enter_safe_mode($stage.supervisor.get())
             );
             entry!(
                 [<revoke_all_but_me_ $size>],
-                |seed| $stage.any(seed),
+                |seed| $stage.$set_up(&mut Random::new(seed)),
                 $stage.revoke_all_but_me()
             );
         }
     };
 }
 
-at_broker!(ONE, 1, 1, 4, 1);
-at_broker!(MANY, 256, 8, 256, 8);
-at_broker!(MOST, 60000, 8, 60_000, 8);
+at_broker!(ONE, valid, 1, 1, 4, 1);
+at_broker!(MANY, requested, 256, 8, 256, 8);
+at_broker!(MOST, requested, 60000, 8, 60_000, 8);
 
 // Two gates granted together have one standing.
 static SET: Stage<Valve, Bare, Bare, 2, 4, 1> = Stage::new();

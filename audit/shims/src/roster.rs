@@ -69,5 +69,5 @@ macro_rules! lines {
     };
 }
 
-lines!(16, 8, 16);
+lines!(1000, 8, 1_000);
 lines!(60000, 8, 60_000);

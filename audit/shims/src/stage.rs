@@ -140,6 +140,12 @@ where
         self.ticket.fill(ticket);
     }
 
+    /// Somebody has a ticket for the first gate, which is not valid yet.
+    pub(crate) fn requested(&'static self, random: &mut Random) {
+        let broker = self.build(random);
+        self.ticket.fill(broker.request(Priority::SCIENCE, self.handle()).expect("a ticket"));
+    }
+
     /// Somebody has tickets for the first two gates, granted together.
     pub(crate) fn set(&'static self, random: &mut Random) {
         let broker = self.build(random);

@@ -9,6 +9,10 @@ pub(crate) mod mutex;
 #[cfg(target_os = "linux")]
 pub(crate) mod thread;
 
+// The core's own way to mask interrupts, which is reached by its symbol.
+#[cfg(target_os = "none")]
+use cortex_m as _;
+
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;
 
