@@ -403,10 +403,10 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         grant.state = State::Granting;
         grant.broker_stamp = broker;
         grant.exempt = false;
-        let (gates, user) = (grant.gates, LastUser::Grant { seat, serial: grant.serial });
+        let (gates, ticket) = (grant.gates, grant.id(seat));
         for gate in gates_of(gates) {
             // Who gets back what it used last has used it all the time.
-            if self.device(gate).is_some_and(|device| device.last_user != user) {
+            if self.device(gate).is_some_and(|device| !device.last_user.is(ticket)) {
                 self.settle_last_user(gate, self.now);
             }
             self.end_rest(gate);
@@ -420,7 +420,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
                 device.must_safe = false;
                 device.needed_off = false;
                 device.told_off = false;
-                device.last_user = user.clone();
+                device.last_user = LastUser::from(ticket);
             }
         }
     }

@@ -66,6 +66,14 @@ impl From<TicketId> for LastUser {
     }
 }
 
+impl LastUser {
+    /// Whether it is this grant, which lives. (To compare it as a whole would
+    /// be to compare validity functions.)
+    pub(crate) fn is(&self, ticket: TicketId) -> bool {
+        matches!(*self, Self::Grant { seat, serial } if TicketId { seat, serial } == ticket)
+    }
+}
+
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct DeviceBook {
     pub(crate) agent: u8,

@@ -286,8 +286,8 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         let Some(grant) = self.grant_of(ticket).filter(|grant| grant.gates & bit(gate) != 0) else {
             return;
         };
-        let (only, used) = (grant.gates == bit(gate), LastUser::from(ticket));
-        if let Some(device) = self.device_mut(gate).filter(|device| device.last_user == used) {
+        let only = grant.gates == bit(gate);
+        if let Some(device) = self.device_mut(gate).filter(|device| device.last_user.is(ticket)) {
             device.must_safe |= holder == Holder::Died && device.phase != Phase::Off;
         }
         if only {
@@ -392,7 +392,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         if held {
             device.leave();
         }
-        let used = device.last_user == LastUser::Grant { seat, serial };
+        let used = device.last_user.is(TicketId { seat, serial });
         let off = device.phase == Phase::Off;
         if used && !off {
             device.orphaned();
@@ -445,11 +445,12 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
 
     pub(super) fn bar(&mut self, seat: u16, epoch: usize, actions: &mut Actions<G>) {
         let Some(grant) = self.grant(seat) else { return };
-        let (gates, used) = (grant.gates, LastUser::Grant { seat, serial: grant.serial });
+        let (gates, ticket) = (grant.gates, grant.id(seat));
         self.leave_line(seat);
         self.put_out(seat, gates);
         for gate in gates_of(gates) {
-            if let Some(device) = self.device_mut(gate).filter(|device| device.last_user == used) {
+            let device = self.device_mut(gate);
+            if let Some(device) = device.filter(|device| device.last_user.is(ticket)) {
                 device.must_safe |= device.phase != Phase::Off;
             }
         }
