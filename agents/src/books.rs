@@ -247,6 +247,12 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         self.relinquish(ticket, gate, holder, actions);
     }
 
+    /// Takes an event in, and leaves it to the next step to decide anew.
+    pub(crate) fn taken_in(&mut self, event: Event, actions: &mut Actions<G>) {
+        actions.clear();
+        self.take_in(event, actions);
+    }
+
     fn take_in(&mut self, event: Event, actions: &mut Actions<G>) {
         match event {
             Event::Tick(now) => self.tick(now, actions),

@@ -163,7 +163,8 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
             } else {
                 Event::Barred { seat, epoch }
             };
-            ledger.books.step(event, &mut ledger.actions);
+            // Not decided on one by one: the step that follows knows of all.
+            ledger.books.taken_in(event, &mut ledger.actions);
             self.carry_out(ledger, now);
         }
     }
