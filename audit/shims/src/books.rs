@@ -2,7 +2,6 @@
 
 use core::mem::forget;
 
-use faregate_agents::measure::step;
 use faregate_agents::{Actions, Books, Done, Event, Handle, RequestRefused};
 use faregate_tickets::Ticket;
 use faregate_tickets::amount::Milliwatts;
@@ -33,7 +32,7 @@ type Gates = Handle<'static, Valve, Bare<Ring>>;
 static STAGE: Small = Stage::new();
 static BOOKS: Slot<Books<GATES, SEATS, SETS>> = Slot::empty();
 static EVENT: Slot<Event> = Slot::empty();
-static ACTIONS: Slot<Actions> = Slot::empty();
+static ACTIONS: Slot<Actions<GATES>> = Slot::empty();
 static PRIORITY: Slot<Priority> = Slot::empty();
 static NAMED: Slot<TicketId> = Slot::empty();
 static FOUND: Slot<Found> = Slot::empty();
@@ -183,9 +182,7 @@ fn set_up(seed: u64) {
     in_flight(&mut Random::new(seed));
 }
 
-entry!(books_step, |seed| set_up(seed), {
-    step(BOOKS.get_mut(), ACTIONS.get_mut(), EVENT.take());
-});
+entry!(books_step, |seed| set_up(seed), BOOKS.get_mut().step(EVENT.take(), ACTIONS.get_mut()));
 entry!(books_work, |seed| set_up(seed), BOOKS.get().work());
 
 // The same through the broker: what a program calls.

@@ -3,7 +3,9 @@
 use faregate_tickets::validity::{Function, Validity};
 
 use crate::entry;
-use crate::ports::{Adapted, Answering, Bare, OneFence, Refusing, Ring, ShortWay, Valve};
+use crate::ports::{
+    Adapted, Answering, Bare, Latch, OneFence, OwnSections, Refusing, Ring, ShortWay, Valve,
+};
 use crate::random::Random;
 use crate::stage::Stage;
 
@@ -11,6 +13,7 @@ static MASKED: Stage<Valve, Bare> = Stage::new();
 static ADAPTED: Stage<Valve, Adapted> = Stage::new();
 static RECORDED: Stage<Valve, Bare<Ring>> = Stage::new();
 static ANSWERING: Stage<Answering, Bare<Ring>> = Stage::new();
+static UNDISTURBED: Stage<Latch, OwnSections> = Stage::new();
 static SHORT_WAY: Stage<Valve, ShortWay> = Stage::new();
 static FENCED: Stage<Valve, OneFence> = Stage::new();
 
@@ -21,6 +24,7 @@ entry!(check, |seed| MASKED.any(seed), MASKED.ticket().check());
 entry!(invoke_locked, |seed| ADAPTED.any(seed), ADAPTED.invoke());
 entry!(try_invoke_locked, |seed| ADAPTED.any(seed), ADAPTED.try_invoke());
 entry!(renew_locked, |seed| ADAPTED.any(seed), ADAPTED.ticket().renew());
+entry!(invoke_undisturbed, |seed| UNDISTURBED.at_home(seed), UNDISTURBED.invoke());
 entry!(invoke_fenced_short, |seed| SHORT_WAY.at_home(seed), SHORT_WAY.invoke());
 entry!(renew_fenced_short, |seed| SHORT_WAY.at_home(seed), SHORT_WAY.ticket().renew());
 entry!(invoke_fenced, |seed| FENCED.any(seed), FENCED.invoke());
@@ -30,7 +34,7 @@ entry!(invoke_answering, |seed| ANSWERING.any(seed), ANSWERING.invoke());
 #[cfg(target_os = "linux")]
 mod pi {
     use super::*;
-    use crate::ports::{Latch, OneStore, Pi, StoreOrLock};
+    use crate::ports::{OneStore, Pi, StoreOrLock};
 
     static PI: Stage<Valve, Pi> = Stage::new();
     static PI_RECORDED: Stage<Valve, Pi<Ring>> = Stage::new();

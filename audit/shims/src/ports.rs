@@ -7,9 +7,12 @@ use faregate_tickets::Device;
 use faregate_tickets::amount::Milliwatts;
 use faregate_tickets::clock::{Clock, Duration, Instant};
 use faregate_tickets::device::{Declaration, Effect, Profile};
-use faregate_tickets::lock::{Exclusion, Fenced, Locked, Masked, Owner, Shut, Strategy, Wait};
+use faregate_tickets::lock::{
+    Exclusion, Fenced, Locked, Masked, Outcome, Owner, Restartable, Sections, Shut, Strategy, Wait,
+    Watch,
+};
 #[cfg(target_os = "linux")]
-use faregate_tickets::lock::{PiLocked, Restartable, Rseq};
+use faregate_tickets::lock::{PiLocked, Rseq};
 use faregate_tickets::recorder::{Lane, NoLane, Record};
 use faregate_tickets::ticket::Seat;
 
@@ -239,6 +242,24 @@ fn entrance<R>(enter: impl FnOnce() -> R) -> R {
     enter()
 }
 
+/// Sections of one thread that nobody disturbs: a comparison, then the store.
+#[derive(Debug)]
+pub(crate) struct Undisturbed;
+
+impl Sections for Undisturbed {
+    fn store(watch: &Watch<'_>, register: &AtomicU32, word: u32) -> Outcome {
+        if !watch.is_as_expected() {
+            return Outcome::Refused;
+        }
+        register.store(word, Ordering::Release);
+        Outcome::Stored
+    }
+
+    fn end_all() -> bool {
+        true
+    }
+}
+
 /// Looks once whether a command in flight is over: how to wait for it is the
 /// port's, and nobody else is here.
 #[derive(Debug)]
@@ -263,6 +284,8 @@ pub(crate) type Refusing = (Apart<Masked>, Word, NoLane);
 pub(crate) type ShortWay = (Fenced<Apart<Masked>, Glance>, Word, NoLane);
 /// One fence, and the lock behind it.
 pub(crate) type OneFence = (Fenced<Masked, Glance>, Word, NoLane);
+/// The same way, in sections that the platform has otherwise.
+pub(crate) type OwnSections = (Restartable<Apart<Masked>, Undisturbed>, Word, NoLane);
 /// The tenant's own way with one store, past a lock that leaves the row.
 #[cfg(target_os = "linux")]
 pub(crate) type OneStore =

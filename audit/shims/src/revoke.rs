@@ -12,6 +12,7 @@ use crate::sys::Slot;
 
 static SCOPE: Slot<Scope> = Slot::empty();
 static STANDING: Slot<Standing> = Slot::empty();
+static SEAT: Slot<u16> = Slot::empty();
 static SERIAL: Slot<usize> = Slot::empty();
 static WHY: Slot<Why> = Slot::empty();
 static FLOOR: Slot<Priority> = Slot::empty();
@@ -22,6 +23,7 @@ fn alone(seed: u64) {
     STANDING.fill(Standing::new());
     let serial = usize::try_from(random.next() >> 33).unwrap_or(1);
     SERIAL.fill(serial);
+    SEAT.fill(u16::from_le_bytes([random.byte(), random.byte()]));
     let floor = Priority::new(random.byte());
     FLOOR.fill(floor);
     let by = TicketId { seat: u16::from(random.byte()), serial };
@@ -29,10 +31,18 @@ fn alone(seed: u64) {
     WHY.fill(random.pick([preempted, preempted, Why::SupplyFell, Why::Barred, Why::Unknown]));
 }
 
+fn barred(seed: u64) {
+    alone(seed);
+    if seed % 2 == 0 {
+        SCOPE.get().note_bar(*SEAT.get());
+    }
+}
+
 entry!(standing_revoke, |seed| alone(seed), STANDING.get().revoke(*WHY.get()));
 entry!(standing_bar, |seed| alone(seed), STANDING.get().bar(*SERIAL.get()));
 entry!(scope_revoke_all, |seed| alone(seed), SCOPE.get().revoke_all());
-entry!(scope_note_bar, |seed| alone(seed), SCOPE.get().note_bar());
+entry!(scope_take_bars, |seed| barred(seed), SCOPE.get().take_bars());
+entry!(scope_note_bar, |seed| alone(seed), SCOPE.get().note_bar(*SEAT.get()));
 entry!(scope_enter_safe_mode, |seed| alone(seed), SCOPE.get().enter_safe_mode(*FLOOR.get()));
 entry!(scope_leave_safe_mode, |seed| alone(seed), SCOPE.get().leave_safe_mode());
 
@@ -66,7 +76,7 @@ macro_rules! at_broker {
     };
 }
 
-at_broker!(ONE, valid, 1, 1, 4, 1);
+at_broker!(FEW, valid, 4, 8, 4, 8);
 at_broker!(MANY, requested, 256, 8, 256, 8);
 at_broker!(MOST, requested, 60000, 8, 60_000, 8);
 

@@ -1,4 +1,4 @@
-//! State variables.
+//! State variables, and the recorder that a host has.
 
 use faregate_tickets::clock::Instant;
 use faregate_tickets::telemetry::{Channel, Mode, Telemetry};
@@ -31,3 +31,29 @@ entry!(set_mode, |seed| set_up(seed), TABLE.get().set_mode(*MODE.get()));
 entry!(mode, |seed| set_up(seed), TABLE.get().mode());
 entry!(publish, |seed| set_up(seed), TABLE.get().publish(*CHANNEL.get(), *VALUE.get(), *AT.get()));
 entry!(read, |seed| set_up(seed), TABLE.get().read(*CHANNEL.get(), *AT.get()));
+
+/// The lane of a host's gate, with a reading end that does not keep up.
+#[cfg(target_os = "linux")]
+mod lane {
+    use faregate_runtime::lanes::{Recorder, RingLane};
+    use faregate_tickets::recorder::{Lane, Record, RecordedEvent};
+
+    use super::*;
+
+    static RECORDER: Slot<Recorder> = Slot::empty();
+    static LANE: Slot<RingLane> = Slot::empty();
+    static RECORD: Slot<Record> = Slot::empty();
+
+    fn set_up(seed: u64) {
+        let random = &mut Random::new(seed);
+        let at = Instant::from_micros(random.next() >> 8);
+        let event = RecordedEvent::Issued { code: u16::from(random.byte()) };
+        let record = *RECORD.fill(Record { at, ticket: 1, event });
+        let lane = LANE.fill(RECORDER.fill(Recorder::new()).lane("a gate", 4));
+        for _ in 0..random.below(6) {
+            lane.record(record);
+        }
+    }
+
+    entry!(lane_record, |seed| set_up(seed), LANE.get_mut().record(*RECORD.get()));
+}

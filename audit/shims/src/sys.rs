@@ -128,14 +128,9 @@ unsafe impl<S: Excludes> Excludes for crate::ports::Apart<S> {}
 
 /// A set-up has failed. The core never comes here: the audit rejects an entry
 /// that could.
+#[cfg(target_os = "none")]
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
-    #[cfg(target_os = "linux")]
-    // SAFETY: asks nothing of its caller.
-    unsafe {
-        libc::abort()
-    };
-    #[cfg(not(target_os = "linux"))]
     loop {
         core::hint::spin_loop();
     }
