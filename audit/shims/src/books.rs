@@ -1,6 +1,6 @@
 //! Requests, tickets that are given back, and one step of a decision.
 
-use core::mem::forget;
+use core::mem::ManuallyDrop;
 
 use faregate_agents::{Actions, Books, Done, Event, Handle, RequestRefused};
 use faregate_tickets::Ticket;
@@ -86,7 +86,8 @@ fn something_happens(broker: &'static Agency, random: &mut Random) {
         }
         1 => {
             let (one, other) = (want(random), want(random));
-            forget(broker.request(Priority::new(random.byte()), &(one, other)));
+            let asked = broker.request(Priority::new(random.byte()), &(one, other));
+            let _ = ManuallyDrop::new(asked);
         }
         2 => drop(broker.request(Priority::new(random.byte()), &want(random))),
         3 => observe(broker, random),
@@ -103,7 +104,8 @@ fn keep(
         STAGE.broker().service();
         let _ = ticket.invoke(Setting::On);
     }
-    forget(ticket);
+    // Its holder is somebody else, who goes on having it.
+    let _ = ManuallyDrop::new(ticket);
 }
 
 fn observe(broker: &'static Agency, random: &mut Random) {
@@ -189,13 +191,13 @@ entry!(books_work, |seed| set_up(seed), BOOKS.get().work());
 entry!(
     request,
     |seed| set_up(seed),
-    core::mem::ManuallyDrop::new(STAGE.broker().request(*PRIORITY.get(), STAGE.handles[0].get()))
+    ManuallyDrop::new(STAGE.broker().request(*PRIORITY.get(), STAGE.handles[0].get()))
 );
 entry!(relinquish, |seed| set_up(seed), drop(STAGE.ticket.take()));
 entry!(
     extend,
     |seed| set_up(seed),
-    core::mem::ManuallyDrop::new(
+    ManuallyDrop::new(
         STAGE.broker().extend(STAGE.ticket(), &STAGE.handles[1].get().limited(Validity::always()))
     )
 );

@@ -33,7 +33,7 @@ fn alone(seed: u64) {
 
 fn barred(seed: u64) {
     alone(seed);
-    if seed % 2 == 0 {
+    if seed.is_multiple_of(2) {
         SCOPE.get().note_bar(*SEAT.get());
     }
 }

@@ -1,5 +1,7 @@
 //! A broker with its gates, in statics, and the ways to set it up.
 
+use core::mem::ManuallyDrop;
+
 use faregate_agents::{AgentId, Broker, Handle, NotYours, Policy, Revoked, Supervisor};
 use faregate_tickets::amount::Milliwatts;
 use faregate_tickets::id::{HolderId, Priority};
@@ -157,7 +159,7 @@ where
         broker.service();
         first.check().expect("a valid ticket");
         self.ticket.fill(first);
-        core::mem::forget(second);
+        let _ = ManuallyDrop::new(second);
     }
 
     /// Somebody more important has the gate.
@@ -165,7 +167,7 @@ where
         self.valid(random);
         let rival =
             self.broker().request(Priority::EMERGENCY, &self.handle().limited(Validity::always()));
-        core::mem::forget(rival.expect("a ticket"));
+        let _ = ManuallyDrop::new(rival.expect("a ticket"));
         self.broker().service();
     }
 

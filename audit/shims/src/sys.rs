@@ -44,6 +44,7 @@ impl<T> Slot<T> {
 
     /// Puts a value in, and forgets the one before without dropping it: it
     /// belonged to an earlier turn, as did whatever it pointed to.
+    #[expect(clippy::mut_from_ref, reason = "by the Turn Rule there is no other reference")]
     pub(crate) fn fill(&'static self, value: T) -> &'static mut T {
         // SAFETY: by the Turn Rule no reference of an earlier turn is used any more.
         let place = unsafe { &mut *self.place.get() };

@@ -24,9 +24,9 @@ unsafe extern "C" fn memcpy(to: *mut u8, from: *const u8, length: usize) -> *mut
     let mut at = 0;
     while at < length {
         // SAFETY: the caller promises `length` bytes to read.
-        let byte = unsafe { from.add(at).read_volatile() };
+        let byte = unsafe { from.wrapping_add(at).read_volatile() };
         // SAFETY: the caller promises `length` bytes to write.
-        unsafe { to.add(at).write_volatile(byte) };
+        unsafe { to.wrapping_add(at).write_volatile(byte) };
         at = next(at);
     }
     to
@@ -46,9 +46,9 @@ unsafe extern "C" fn memmove(to: *mut u8, from: *const u8, length: usize) -> *mu
         done = next(done);
         let left = length - done;
         // SAFETY: the caller promises `length` bytes to read.
-        let byte = unsafe { from.add(left).read_volatile() };
+        let byte = unsafe { from.wrapping_add(left).read_volatile() };
         // SAFETY: the caller promises `length` bytes to write.
-        unsafe { to.add(left).write_volatile(byte) };
+        unsafe { to.wrapping_add(left).write_volatile(byte) };
     }
     to
 }
@@ -62,7 +62,7 @@ unsafe extern "C" fn memset(to: *mut u8, byte: i32, length: usize) -> *mut u8 {
     let mut at = 0;
     while at < length {
         // SAFETY: the caller promises `length` bytes to write.
-        unsafe { to.add(at).write_volatile(byte) };
+        unsafe { to.wrapping_add(at).write_volatile(byte) };
         at = next(at);
     }
     to
@@ -76,9 +76,9 @@ unsafe extern "C" fn memcmp(one: *const u8, other: *const u8, length: usize) -> 
     let mut at = 0;
     while at < length {
         // SAFETY: the caller promises `length` bytes to read.
-        let ours = unsafe { one.add(at).read_volatile() };
+        let ours = unsafe { one.wrapping_add(at).read_volatile() };
         // SAFETY: the caller promises `length` bytes to read.
-        let theirs = unsafe { other.add(at).read_volatile() };
+        let theirs = unsafe { other.wrapping_add(at).read_volatile() };
         if ours != theirs {
             return i32::from(ours) - i32::from(theirs);
         }

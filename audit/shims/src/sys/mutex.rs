@@ -13,7 +13,6 @@ pub(crate) struct OneExchange(AtomicBool);
 // SAFETY: one exchange from `false` is behind every lock that is had, and
 // whoever has it is the only one to store `false`.
 unsafe impl RawMutex for OneExchange {
-    #[expect(clippy::declare_interior_mutable_const, reason = "what `lock_api` asks for")]
     const INIT: Self = Self(AtomicBool::new(false));
     type Guard = GuardNoSend;
 
