@@ -92,7 +92,8 @@ impl Node {
             Flow::On | Flow::Kernel => node.follow.push(next),
             Flow::Return | Flow::Trap => {}
             Flow::Call(target) => {
-                if !never_returns(image, &target) {
+                let ends_here = next >= function.end && !comes_back(image, &target);
+                if !ends_here && !never_returns(image, &target) {
                     node.follow.push(next);
                 }
                 node.calls = Some(target);
@@ -115,6 +116,18 @@ impl Node {
 /// What comes after such a call is another branch's code, or nothing.
 fn never_returns(image: &Image, target: &Target) -> bool {
     names(image, target).iter().any(|name| role_of(name) == Some(Role::Denied(Kind::Panic)))
+}
+
+/// Whether some path through what is called returns. Asked only where nothing
+/// follows the call.
+fn comes_back(image: &Image, target: &Target) -> bool {
+    let Target::At(address) = target else { return true };
+    let Some(Ok((body, _))) =
+        image.function(*address).map(|function| Body::read(image, function))
+    else {
+        return true;
+    };
+    body.nodes.values().any(|node| node.is_tail || node.instruction.flow == Flow::Return)
 }
 
 /// All names of what is called.
