@@ -122,8 +122,7 @@ fn never_returns(image: &Image, target: &Target) -> bool {
 /// follows the call.
 fn comes_back(image: &Image, target: &Target) -> bool {
     let Target::At(address) = target else { return true };
-    let Some(Ok((body, _))) =
-        image.function(*address).map(|function| Body::read(image, function))
+    let Some(Ok((body, _))) = image.function(*address).map(|function| Body::read(image, function))
     else {
         return true;
     };

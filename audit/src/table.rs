@@ -16,6 +16,9 @@ const END: &str = "<!-- audit:end -->";
 /// What the line with the compilers begins with.
 const COMPILED: &str = "Compiled by ";
 
+/// Of so many loops each is told by name.
+const LOOPS_TOLD: usize = 6;
+
 /// A document's table, beside the one that the audit finds.
 #[derive(Debug, PartialEq, Eq)]
 pub enum Comparison {
@@ -89,15 +92,7 @@ fn with(finding: &Finding) -> String {
 }
 
 fn remarks(found: &Outcome) -> BTreeSet<String> {
-    let mut remarks = BTreeSet::new();
-    for (owner, most, why) in &found.loops {
-        let place = if owner.contains("::") {
-            format!("loop in `{}`", short(owner))
-        } else {
-            owner.clone()
-        };
-        remarks.insert(format!("{place}: {most} {why}"));
-    }
+    let mut remarks = BTreeSet::from_iter(loops(found));
     if let Some(bytes) = found.copies {
         remarks.insert(format!("copies of {bytes} bytes at most"));
     }
@@ -108,6 +103,29 @@ fn remarks(found: &Outcome) -> BTreeSet<String> {
     remarks.extend(calls.chain(outside).chain(cold).chain(port));
     remarks.extend(found.excused.iter().cloned());
     remarks
+}
+
+/// Each loop with its bound; where there are many, the bounds that they have.
+fn loops(found: &Outcome) -> Vec<String> {
+    let many = found.loops.len() > LOOPS_TOLD;
+    if many {
+        let bounds: BTreeSet<_> =
+            found.loops.iter().map(|(_, most, why)| format!("{most} {why}")).collect();
+        let bounds = bounds.into_iter().collect::<Vec<_>>().join(", ");
+        return vec![format!(
+            "{} loops, each with one of these bounds: {bounds}",
+            found.loops.len()
+        )];
+    }
+    let told = found.loops.iter().map(|(owner, most, why)| {
+        let place = if owner.contains("::") {
+            format!("loop in `{}`", short(owner))
+        } else {
+            owner.clone()
+        };
+        format!("{place}: {most} {why}")
+    });
+    told.collect()
 }
 
 /// The last two names of a path.
