@@ -14,7 +14,9 @@ const COLOURS: [RGBColor; 6] = [
     RGBColor(0x56, 0xb4, 0xe9),
 ];
 
-const SIZE: (u32, u32) = (720, 420);
+const SIZE: (u32, u32) = (760, 460);
+/// The size is the backend's own measure; it comes out some fifth smaller.
+const TEXT: (&str, i32) = ("sans-serif", 15);
 
 /// How values lie along an axis: themselves, or their powers of ten.
 #[derive(Clone, Copy)]
@@ -30,6 +32,14 @@ impl Scale {
 
     fn label(self, place: &f64) -> String {
         if self.logarithmic { number(10_f64.powf(*place)) } else { number(*place) }
+    }
+
+    /// How many labels: one for each power of ten, or some.
+    fn ticks(self, values: impl Iterator<Item = f64>) -> usize {
+        let std::ops::Range { start, end } = self.range(values);
+        // No more powers than a number can have.
+        let powers = (0..=u8::MAX).take_while(|&nth| start + f64::from(nth) <= end);
+        if self.logarithmic { powers.count() } else { 6 }
     }
 
     /// From the least value to the greatest, with a margin; a linear axis
@@ -62,8 +72,9 @@ fn draw(curve: &Curve, text: &mut String) -> Result<(), Failure> {
     let area = SVGBackend::with_string(text, SIZE).into_drawing_area();
     area.fill(&WHITE)?;
     let mut chart = ChartBuilder::on(&area)
-        .caption(&curve.title, ("sans-serif", 18))
+        .caption(&curve.title, ("sans-serif", 21))
         .margin(12)
+        .margin_right(32)
         .x_label_area_size(42)
         .y_label_area_size(64)
         .build_cartesian_2d(
@@ -72,6 +83,10 @@ fn draw(curve: &Curve, text: &mut String) -> Result<(), Failure> {
         )?;
     chart
         .configure_mesh()
+        .label_style(TEXT)
+        .axis_desc_style(TEXT)
+        .x_labels(x.ticks(points().map(|point| point.0)))
+        .y_labels(y.ticks(points().map(|point| point.1)))
         .x_desc(&curve.x)
         .y_desc(&curve.y)
         .x_label_formatter(&|place| x.label(place))
@@ -89,7 +104,13 @@ fn draw(curve: &Curve, text: &mut String) -> Result<(), Failure> {
                 PathElement::new([(left, middle), (left + 18, middle)], colour.stroke_width(2))
             });
     }
-    chart.configure_series_labels().background_style(WHITE.mix(0.8)).border_style(BLACK).draw()?;
+    chart
+        .configure_series_labels()
+        .label_font(TEXT)
+        .position(SeriesLabelPosition::UpperLeft)
+        .background_style(WHITE.mix(0.8))
+        .border_style(BLACK)
+        .draw()?;
     area.present()?;
     Ok(())
 }

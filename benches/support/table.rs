@@ -34,7 +34,9 @@ pub(crate) fn figures<'a>(figures: impl IntoIterator<Item = &'a Figure>) -> Tabl
 
 fn target(target: &Value) -> String {
     match target {
-        Value::Number(limit) => format!("<= {limit}"),
+        Value::Number(limit) => {
+            format!("<= {}", limit.as_f64().map_or_else(|| limit.to_string(), number))
+        }
         Value::String(words) => words.clone(),
         _ => String::new(),
     }
