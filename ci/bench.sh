@@ -52,7 +52,7 @@ else
 fi
 if has example soak; then
     echo "== example soak"
-    cargo run --locked --quiet --release --example soak -- --revocations "$revocations" --json "$out/soak.json"
+    cargo run --locked --quiet --release --example soak -- --revocations "$revocations" --json
 else
     echo "== example soak: skipped, there is none"
 fi
