@@ -78,7 +78,7 @@ enum Command {
         #[arg(long, default_value_t = 300)]
         calls: u64,
         /// Instructions of each function; no new call is made after them.
-        #[arg(long, default_value_t = 40_000)]
+        #[arg(long, default_value_t = 200_000)]
         instructions: u64,
         /// The object.
         #[arg(value_name = "x86_64=PATH")]
