@@ -74,13 +74,15 @@ struct Taken {
 impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     /// Seats a request, or refuses what can never be; changes nothing then.
     pub(super) fn seat(&mut self, ask: &Ask) -> Result<TicketId, RequestRefused> {
-        let gates = self.with_leases(ask)?;
-        let taken = self.agree_to(&gates, 0)?;
+        for (gate, validity) in &ask.gates {
+            self.leased(*gate, validity)?;
+        }
+        let taken = self.agree_to(&ask.gates, 0)?;
         let full = RequestRefused::NoCapacity(Capacity::Seats);
         let seat = self.free_seat(ask.priority).ok_or(full)?;
-        let set = self.set_for(&gates)?;
+        let set = self.set_for(&ask.gates)?;
         self.take(&taken);
-        Ok(self.sit_down(seat, set, ask, gates))
+        Ok(self.sit_down(seat, set, ask))
     }
 
     /// Adds a gate to a grant: all is given back, the union asked for, at the
@@ -101,8 +103,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         if bits & bit(gate) != 0 {
             return Err(RequestRefused::GateTwice(gate));
         }
-        let ask = Ask::new(grant.priority, gate, validity);
-        let more = self.with_leases(&ask)?;
+        let more = [(gate, self.leased(gate, &validity)?)];
         let taken = self.agree_to(&more, bits)?;
         let set = match set {
             Some(set) => set,
@@ -117,21 +118,16 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         Ok(())
     }
 
-    /// What is asked for, each ticket for a device with draw with a lease.
-    fn with_leases(
-        &self,
-        ask: &Ask,
-    ) -> Result<heapless::Vec<(GateId, Validity), MAX_SET_GATES>, RequestRefused> {
-        let mut gates = ask.gates.clone();
-        for (gate, validity) in &mut gates {
-            let device = self.device(*gate).ok_or(RequestRefused::UnknownGate)?;
-            if !device.profile.draw.is_zero() && validity.lease().is_none() {
-                let full = RequestRefused::NoCapacity(Capacity::ValidityFunctions);
-                *validity =
-                    validity.and(Function::lease(device.profile.lease)).map_err(|_| full)?;
-            }
+    /// The validity function of a ticket for this gate: one for a device with
+    /// draw has a lease. Made where it stays: what is asked for is not copied
+    /// as a whole.
+    fn leased(&self, gate: GateId, validity: &Validity) -> Result<Validity, RequestRefused> {
+        let device = self.device(gate).ok_or(RequestRefused::UnknownGate)?;
+        if device.profile.draw.is_zero() || validity.lease().is_some() {
+            return Ok(*validity);
         }
-        Ok(gates)
+        let full = RequestRefused::NoCapacity(Capacity::ValidityFunctions);
+        validity.and(Function::lease(device.profile.lease)).map_err(|_| full)
     }
 
     /// Whether each agent could ever grant this beside the `others` that the
@@ -194,13 +190,11 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         self.free_set().map(Some).ok_or(full)
     }
 
-    fn sit_down(
-        &mut self,
-        seat: u16,
-        set: Option<u8>,
-        ask: &Ask,
-        gates: heapless::Vec<(GateId, Validity), MAX_SET_GATES>,
-    ) -> TicketId {
+    /// Whether each gate's ticket can have its lease was asked before.
+    fn sit_down(&mut self, seat: u16, set: Option<u8>, ask: &Ask) -> TicketId {
+        let validity = ask.gates.first().map_or(Validity::always(), |(gate, validity)| {
+            self.leased(*gate, validity).unwrap_or(*validity)
+        });
         let (serial, arrival) = (self.next_serial, self.next_arrival);
         self.next_serial = self.next_serial.wrapping_add(1).max(1);
         self.next_arrival += 1;
@@ -213,17 +207,26 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
                 priority: ask.priority,
                 arrival,
                 own: grant.own,
-                validity: gates.first().map_or(Validity::always(), |(_, validity)| *validity),
+                validity,
                 set,
                 ..Grant::free(usize::from(seat))
             };
         }
-        if let Some(book) = set.and_then(|set| self.sets.get_mut(usize::from(set))) {
-            book.seat = Some(seat);
-            book.members = gates;
+        if let Some(set) = set {
+            self.fill_set(set, seat, ask);
         }
         self.stand_in_line(seat);
         TicketId { seat, serial }
+    }
+
+    fn fill_set(&mut self, set: u8, seat: u16, ask: &Ask) {
+        for (gate, validity) in &ask.gates {
+            let validity = self.leased(*gate, validity).unwrap_or(*validity);
+            let Some(book) = self.sets.get_mut(usize::from(set)) else { return };
+            book.seat = Some(seat);
+            // As many as there may be in a set, in both.
+            let _ = book.members.push((*gate, validity));
+        }
     }
 
     fn grow(&mut self, seat: u16, set: u8, more: &[(GateId, Validity)], actions: &mut Actions<G>) {
