@@ -13,9 +13,13 @@ use std::time::Instant;
 use std::{env, fs, thread};
 
 use faregate_tickets::clock::Duration;
+use faregate_tickets::id::{GateId, TicketId};
 use faregate_tickets::lock::{
-    Exclusion, Fenced, Locked, Masked, Owner, PiLocked, Shut, Strategy, Wait,
+    Exclusion, Fenced, Locked, Masked, Next, Owner, PiLocked, Shut, Strategy, Wait, Way,
 };
+use faregate_tickets::scope::Scope;
+use faregate_tickets::standing::Standing;
+use faregate_tickets::ticket::Seat;
 
 type Pi = <PiLocked<sys::Kernel> as Strategy>::Lock<u64>;
 type ParkingLot = <Locked<parking_lot::RawMutex, parking_lot::RawThreadId> as Strategy>::Lock<u64>;
@@ -250,6 +254,38 @@ fn a_death_inside_is_told_to_all_who_were_waiting() {
     assert_eq!(agent.join().unwrap(), Ok((7, Owner::Died)));
     assert_eq!(holder.join().unwrap(), Err(Shut::OwnerDied));
     assert_is_shut_by_death(lock);
+}
+
+/// Waits no time at all; a thread that would wait for long dies of it.
+enum Mortal {}
+
+impl Wait for Mortal {
+    fn until(timeout: Duration, _: impl FnMut() -> bool) -> bool {
+        if timeout == PATIENCE { sys::die() } else { false }
+    }
+}
+
+#[test]
+fn a_death_while_waiting_for_a_short_way_lets_nobody_in() {
+    type Lock = <Fenced<PiLocked<sys::Kernel>, Mortal> as Strategy>::Lock<u64>;
+    let lock: &'static Lock = Box::leak(Box::new(Exclusion::new(7)));
+    let (standing, scope) =
+        (Box::leak(Box::new(Standing::new())), Box::leak(Box::new(Scope::new())));
+    let id = TicketId { seat: 0, serial: 1 };
+    let seat = Seat { id, gate: GateId(0), standing, agent: scope, broker: scope };
+    let way = lock.way(&seat, PATIENCE);
+    let first = way.with(|| Ok::<(), ()>(()), |_: &mut u64, ()| ((), Next::Enter));
+    assert_eq!(first, Ok(Ok(())));
+    let inside = |_: &mut u64, ()| {
+        let (_, dying) = spawn(|| lock.with_until(PATIENCE, |_, _| ()));
+        wait_until_gone(dying);
+        let entered = lock.with_until(Duration::ZERO, |_, owner| owner);
+        assert_eq!(entered, Err(Shut::TimedOut), "entered while somebody was inside");
+        ((), Next::Enter)
+    };
+    assert_eq!(way.with(|| Ok::<(), ()>(()), inside), Ok(Ok(())));
+    let after = lock.with_until(Duration::ZERO, |value, owner| (*value, owner));
+    assert_eq!(after, Ok((7, Owner::Died)), "the command is over");
 }
 
 #[test]

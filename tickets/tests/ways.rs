@@ -213,3 +213,63 @@ fn one_thread_at_a_time_is_inside_whichever_way_it_came() {
     });
     assert_eq!(lock.with(|value| *value), Ok(ENTRIES + 2 * (ENTRIES / 10)));
 }
+
+/// Ways of waiting that do not keep what they are asked for.
+#[derive(Debug)]
+enum Hasty {}
+
+impl Wait for Hasty {
+    fn until(_: Duration, _: impl FnMut() -> bool) -> bool {
+        true
+    }
+}
+
+#[derive(Debug)]
+enum Panicky {}
+
+impl Wait for Panicky {
+    fn until(_: Duration, _: impl FnMut() -> bool) -> bool {
+        resume_unwind(Box::new("cannot wait"))
+    }
+}
+
+/// Runs `meanwhile` while a tenant is inside by its short way.
+fn while_inside<W: Wait>(
+    lock: &<Fenced<Inner, W> as Strategy>::Lock<u64>,
+    meanwhile: impl FnOnce(),
+) {
+    let (standing, scope) =
+        (Box::leak(Box::new(Standing::new())), Box::leak(Box::new(Scope::new())));
+    let id = TicketId { seat: 0, serial: 1 };
+    let seat = Seat { id, gate: GateId(0), standing, agent: scope, broker: scope };
+    let way = lock.way(&seat, PATIENCE);
+    let once = |_: &mut u64, ()| ((), Next::Enter);
+    way.with(|| Ok::<(), ()>(()), once).unwrap().unwrap();
+    let inside = |_: &mut u64, ()| (meanwhile(), Next::Enter);
+    way.with(|| Ok::<(), ()>(()), inside).unwrap().unwrap();
+}
+
+#[test]
+fn who_is_told_too_early_that_a_command_is_over_does_not_enter() {
+    let lock: <Fenced<Inner, Hasty> as Strategy>::Lock<u64> = Exclusion::new(0);
+    while_inside::<Hasty>(&lock, || {
+        for _ in 0..2 {
+            assert_eq!(lock.with(|_| ()), Err(Shut::TimedOut));
+            assert_eq!(lock.try_with(|_| ()), Err(Shut::Busy));
+            assert_eq!(lock.with_until(PATIENCE, |_, _| ()), Err(Shut::TimedOut));
+        }
+    });
+    assert_eq!(lock.with(|value| *value), Ok(0), "the command is over");
+}
+
+#[test]
+fn who_comes_after_a_wait_that_unwound_waits_too() {
+    let lock: <Fenced<Inner, Panicky> as Strategy>::Lock<u64> = Exclusion::new(0);
+    while_inside::<Panicky>(&lock, || {
+        for _ in 0..2 {
+            let unwound = catch_unwind(AssertUnwindSafe(|| lock.with_until(PATIENCE, |_, _| ())));
+            assert!(unwound.is_err(), "entered while somebody was inside");
+        }
+    });
+    assert_eq!(lock.with(|value| *value), Ok(0), "the command is over");
+}

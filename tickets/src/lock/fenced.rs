@@ -36,7 +36,8 @@ pub trait Wait: 'static {
     /// Waits until `over` says so; answers `false` if `timeout` passed before.
     ///
     /// Called where waiting is right only because the command in flight runs
-    /// on another core: a spin, with a yield where there is one.
+    /// on another core: a spin, with a yield where there is one. Who waits looks
+    /// once more when this has answered, and enters only if it is over.
     #[must_use]
     fn until(timeout: Duration, over: impl FnMut() -> bool) -> bool;
 }

@@ -3,6 +3,7 @@
 //! | word | who writes | meaning |
 //! |---|---|---|
 //! | `open_to` | who is inside `outer` | which short way is open; 0: none |
+//! | `unseen` | who is inside `outer` | which short way nobody has seen to be empty since it was open; 0: none |
 //! | `in_flight` of a short way | its ticket's holder | grows; odd: inside, or looking whether it may be |
 //! | `taken` of a short way | set inside `outer`, cleared by its ticket's holder | some ticket has it |
 //!
@@ -12,6 +13,10 @@
 //! the holder's is the later one it finds its way closed; if the other's is,
 //! that one finds the word odd, and waits until it *changes*. (To wait until it
 //! is even would be to wait for a holder that hammers a closed way.)
+//!
+//! Which way to wait at is a word of its own, that is cleared when the wait has
+//! come to its end and not before. So who gives up, unwinds or dies in the wait
+//! leaves the next one to wait at the same way.
 //!
 //! *One Inside.* One thread at a time reaches the value: who is inside `outer`
 //! and has closed the open way and seen its word change or even; or the holder
@@ -32,6 +37,7 @@ use crate::sync::{AtomicUsize, Ordering, SHORT_WAYS, UnsafeCell, fence};
 pub struct FencedLock<T, S: Strategy, W> {
     pub(in crate::lock) outer: S::Lock<()>,
     open_to: AtomicUsize,
+    unseen: AtomicUsize,
     ways: [ShortWay; SHORT_WAYS],
     value: UnsafeCell<T>,
     wait: PhantomData<fn() -> W>,
@@ -69,6 +75,7 @@ impl<T, S: Excludes, W: Wait> FencedLock<T, S, W> {
         Self {
             outer: Exclusion::new(()),
             open_to: AtomicUsize::new(CLOSED),
+            unseen: AtomicUsize::new(CLOSED),
             ways: core::array::from_fn(|_| ShortWay {
                 in_flight: AtomicUsize::new(0),
                 taken: AtomicUsize::new(0),
@@ -90,8 +97,8 @@ impl<T, S: Excludes, W: Wait> FencedLock<T, S, W> {
         self.open_to.store(CLOSED, Ordering::Relaxed);
         // Pairs with the fence in `enter`.
         fence(Ordering::SeqCst);
-        if !self.is_over(open, timeout) {
-            // Open as before: the next one has to wait for the same word.
+        if !self.see_empty(timeout) {
+            // Open as before: nobody was inside meanwhile.
             self.open_to.store(open, Ordering::Relaxed);
             return Err(Shut::TimedOut);
         }
@@ -100,12 +107,20 @@ impl<T, S: Excludes, W: Wait> FencedLock<T, S, W> {
     }
 
     /// Waits until what the way that was open announced is over.
-    fn is_over(&self, open: usize, timeout: Duration) -> bool {
-        let Some(way) = self.ways.get(open.wrapping_sub(1)) else { return true };
+    fn see_empty(&self, timeout: Duration) -> bool {
+        // Relaxed, here and below: read and written inside `outer` only.
+        let unseen = self.unseen.load(Ordering::Relaxed);
+        let Some(way) = self.ways.get(unseen.wrapping_sub(1)) else { return true };
         // Acquire: pairs with the Release of the exit, or of the next entry,
         // which comes after that exit.
         let seen = way.in_flight.load(Ordering::Acquire);
-        seen % 2 == 0 || W::until(timeout, || way.in_flight.load(Ordering::Acquire) != seen)
+        let changed = || way.in_flight.load(Ordering::Acquire) != seen;
+        // Looked at again, whatever `until` says: `Wait` is a safe trait.
+        let empty = seen % 2 == 0 || W::until(timeout, changed) && changed();
+        if empty {
+            self.unseen.store(CLOSED, Ordering::Relaxed);
+        }
+        empty
     }
 }
 
@@ -171,6 +186,7 @@ impl<'l, T, S: Excludes, W: Wait> FencedWay<'l, T, S, W> {
         if self.number.get() == CLOSED {
             self.number.set(self.lock.claim());
         }
+        self.lock.unseen.store(self.number.get(), Ordering::Relaxed);
         // Relaxed: whom it concerns reads it after this, in program order.
         self.lock.open_to.store(self.number.get(), Ordering::Relaxed);
         result
@@ -233,7 +249,7 @@ struct Exit<'l> {
 
 impl Drop for Exit<'_> {
     fn drop(&mut self) {
-        // Release: pairs with the Acquire in `is_over`; Empty Room rests on it.
+        // Release: pairs with the Acquire in `see_empty`; Empty Room rests on it.
         #[cfg(not(feature = "mutant-relaxed-exit"))]
         self.word.store(self.after, Ordering::Release);
         #[cfg(feature = "mutant-relaxed-exit")]
