@@ -3,13 +3,17 @@
 
 use std::hint::black_box;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use std::sync::mpsc;
 use std::thread;
 use std::time::Instant;
 
 use faregate_tickets::clock::Duration;
 use faregate_tickets::id::{GateId, TicketId};
-use faregate_tickets::lock::{Exclusion, Fenced, Locked, Next, Owner, Shut, Strategy, Wait, Way};
+use faregate_tickets::lock::{
+    Exclusion, Fenced, Locked, Next, Outcome, Owner, Restartable, Sections, Shut, Strategy, Wait,
+    Watch, Way,
+};
 use faregate_tickets::scope::Scope;
 use faregate_tickets::standing::Standing;
 use faregate_tickets::ticket::Seat;
@@ -272,4 +276,53 @@ fn who_comes_after_a_wait_that_unwound_waits_too() {
         }
     });
     assert_eq!(lock.with(|value| *value), Ok(0), "the command is over");
+}
+
+/// Sections for one thread, which nobody has to end.
+#[derive(Debug)]
+enum Alone {}
+
+impl Sections for Alone {
+    fn store(watch: &Watch<'_>, register: &AtomicU32, word: u32) -> Outcome {
+        if !watch.is_as_expected() {
+            return Outcome::Refused;
+        }
+        register.store(word, Relaxed);
+        Outcome::Stored
+    }
+
+    fn end_all() -> bool {
+        true
+    }
+}
+
+type StoreLock = <Restartable<Inner, Alone> as Strategy>::Lock<u64>;
+
+fn store_way(lock: &StoreLock) -> <StoreLock as Exclusion<u64>>::Way<'_> {
+    let (standing, scope) =
+        (Box::leak(Box::new(Standing::new())), Box::leak(Box::new(Scope::new())));
+    let id = TicketId { seat: 0, serial: 1 };
+    lock.way(&Seat { id, gate: GateId(0), standing, agent: scope, broker: scope }, PATIENCE)
+}
+
+#[test]
+fn no_store_is_in_order_while_its_own_ticket_is_inside_or_after_it_unwound() {
+    let lock = StoreLock::new(0);
+    let (way, register) = (store_way(&lock), AtomicU32::new(0));
+    let way = &way;
+    let opens = |_: &mut u64, ()| (way.store(&register, 1), Next::Store);
+    for _ in 0..2 {
+        let inside = way.with(|| Ok::<(), ()>(()), opens).unwrap();
+        assert_eq!(inside, Ok(false), "stored by the driver that runs");
+        assert!(way.store(&register, 2));
+    }
+    let unwind = || {
+        way.with(
+            || Ok::<(), ()>(()),
+            |_: &mut u64, ()| -> ((), Next) { resume_unwind(Box::new("gone")) },
+        )
+    };
+    assert!(catch_unwind(AssertUnwindSafe(unwind)).is_err());
+    assert!(!way.store(&register, 3), "stored after its command unwound");
+    assert_eq!(register.into_inner(), 2);
 }

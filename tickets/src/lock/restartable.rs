@@ -197,6 +197,9 @@ impl<L, K: Sections> RestartableWay<'_, L, K> {
         // Before the look, which then is about these epochs or later ones.
         let epochs = self.epochs.map(|epoch| epoch.load(Ordering::Relaxed));
         Ok(look().map(|seen| {
+            // Should the task unwind, or come back to its ticket, no store is
+            // in order.
+            self.lock.open_to.store(CLOSED, Ordering::Relaxed);
             let (result, next) = task.run(value, seen);
             self.seen.set(epochs);
             let open = if next == Next::Store { self.number } else { CLOSED };
