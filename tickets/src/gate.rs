@@ -180,7 +180,9 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
         let (word, response) = D::word(command)?;
         let declared = D::declare(command);
         let is_no_more = declared.effect == Effect::Unchanged && !self.exceeds_profile(&declared);
-        (is_no_more && way.store(register, word)).then_some(response)
+        // Who could not enter has faulted the gate without closing the way.
+        let in_order = is_no_more && self.fault_code() == 0;
+        (in_order && way.store(register, word)).then_some(response)
     }
 
     /// What the way keeps for a ticket that is refused is free for others.

@@ -8,15 +8,22 @@ use std::sync::mpsc;
 use std::thread;
 use std::time::Instant;
 
-use faregate_tickets::clock::Duration;
+use faregate_tickets::Gate;
+use faregate_tickets::clock::{self, Clock, Duration};
+use faregate_tickets::device::{Declaration, Device, Effect, Profile};
+use faregate_tickets::fault::GateFault;
+use faregate_tickets::gate::{Admission, Blocked};
 use faregate_tickets::id::{GateId, TicketId};
 use faregate_tickets::lock::{
     Exclusion, Fenced, Locked, Next, Outcome, Owner, Restartable, Sections, Shut, Strategy, Wait,
     Watch, Way,
 };
+use faregate_tickets::recorder::{NoLane, Unrecorded};
+use faregate_tickets::refusal::{InvokeError, Refusal};
 use faregate_tickets::scope::Scope;
-use faregate_tickets::standing::Standing;
-use faregate_tickets::ticket::Seat;
+use faregate_tickets::standing::{Stamp, Standing};
+use faregate_tickets::ticket::{Holder, Issuer, Seat};
+use faregate_tickets::validity::Validity;
 
 /// Yields, for as long as it takes or until a deadline.
 enum Yielding {}
@@ -325,4 +332,93 @@ fn no_store_is_in_order_while_its_own_ticket_is_inside_or_after_it_unwound() {
     assert!(catch_unwind(AssertUnwindSafe(unwind)).is_err());
     assert!(!way.store(&register, 3), "stored after its command unwound");
     assert_eq!(register.into_inner(), 2);
+}
+
+/// Sections that nobody can end.
+#[derive(Debug)]
+enum Endless {}
+
+impl Sections for Endless {
+    fn store(watch: &Watch<'_>, register: &AtomicU32, word: u32) -> Outcome {
+        Alone::store(watch, register, word)
+    }
+
+    fn end_all() -> bool {
+        false
+    }
+}
+
+/// A register, and nothing else.
+struct Register(&'static AtomicU32);
+
+impl Device for Register {
+    type Command = u32;
+    type Response = ();
+    type Fault = ();
+
+    fn profile(&self) -> Profile {
+        Profile::new()
+    }
+    fn declare(_: &u32) -> Declaration {
+        Declaration { code: 0, wcet: Duration::from_millis(1), effect: Effect::Unchanged }
+    }
+    fn issue(&mut self, word: u32) -> Result<(), ()> {
+        self.0.store(word, Relaxed);
+        Ok(())
+    }
+    fn safe(&mut self) -> Result<(), ()> {
+        Ok(())
+    }
+    fn register(&self) -> Option<&'static AtomicU32> {
+        Some(self.0)
+    }
+    fn word(word: &u32) -> Option<(u32, ())> {
+        Some((*word, ()))
+    }
+}
+
+/// It is always the start.
+struct Stopped;
+
+impl Clock for Stopped {
+    fn now(&self) -> clock::Instant {
+        clock::Instant::START
+    }
+}
+
+struct Nobody;
+
+impl Issuer for Nobody {
+    fn relinquish(&self, _: &Seat<'_>, _: Unrecorded, _: Holder) {}
+}
+
+#[test]
+fn a_faulted_gate_takes_no_store() {
+    let register: &AtomicU32 = Box::leak(Box::default());
+    let (standing, scope) = (Standing::new(), Scope::new());
+    let id = TicketId { seat: 0, serial: 1 };
+    standing.seat(id.serial, 1);
+    let mut gate =
+        Gate::<_, (Restartable<Inner, Endless>, _, _)>::new(Register(register), Stopped, NoLane);
+    let (key, handle) = gate.key().split();
+    let seat = Seat { id, gate: GateId(0), standing: &standing, agent: &scope, broker: &scope };
+    let ticket = key.ticket(handle, seat, &Nobody).unwrap();
+    let stamp = Stamp { own: standing.epoch_seen(), broker: scope.read().epoch };
+    let admission = Admission {
+        serial: id.serial,
+        tenure: 0,
+        agent: stamp.broker,
+        validity: Validity::always(),
+        stamp: Some((&standing, stamp)),
+    };
+    key.admit(admission, PATIENCE).unwrap();
+    for word in 1..=2 {
+        assert_eq!(ticket.invoke(word), Ok(()));
+    }
+    // Nothing is revoked: the gate is faulted by who could not pass.
+    assert_eq!(key.pass(PATIENCE), Err(Blocked::Hung));
+    let faulted = Err(InvokeError::Refused(Refusal::Faulted(GateFault::Hung)));
+    assert_eq!(ticket.invoke(3), faulted);
+    assert_eq!(ticket.try_invoke(4), faulted);
+    assert_eq!(register.load(Relaxed), 2);
 }
