@@ -140,10 +140,11 @@ impl Unrecorded {
         Self { refused: self.refused.saturating_add(1), ..self }
     }
 
-    /// One more command was one store, and issued.
+    /// One more command was one store, and issued; `None` where no more can be
+    /// counted.
     #[must_use]
-    pub const fn and_stored(self) -> Self {
-        Self { stored: self.stored.saturating_add(1), ..self }
+    pub fn and_stored(self) -> Option<Self> {
+        self.stored.checked_add(1).map(|stored| Self { stored, ..self })
     }
 
     /// Whether nothing was counted.

@@ -94,8 +94,7 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
     /// One that was admitted before it may still be in progress; who revoked
     /// waits for quiescence.
     pub fn invoke(&self, command: D::Command) -> Result<D::Response, InvokeError<D::Fault>> {
-        if let Some(response) = self.gate.store(&self.way, &command) {
-            self.unrecorded.set(self.unrecorded.get().and_stored());
+        if let Some(response) = self.store(&command) {
             return Ok(response);
         }
         if let Err(fault) = self.seen() {
@@ -118,8 +117,7 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
     /// # After revocation
     /// As [`invoke`](Ticket::invoke).
     pub fn try_invoke(&self, command: D::Command) -> Result<D::Response, InvokeError<D::Fault>> {
-        if let Some(response) = self.gate.store(&self.way, &command) {
-            self.unrecorded.set(self.unrecorded.get().and_stored());
+        if let Some(response) = self.store(&command) {
             return Ok(response);
         }
         if let Err(fault) = self.seen() {
@@ -212,6 +210,16 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
         self.look().is_ok()
     }
 
+    /// Does a command that is no more than its store, if that is in order. One
+    /// that could not be counted goes by the lock, where what was counted is told.
+    #[inline(always)]
+    fn store(&self, command: &D::Command) -> Option<D::Response> {
+        let counted = self.unrecorded.get().and_stored()?;
+        let response = self.gate.store(&self.way, command)?;
+        self.unrecorded.set(counted);
+        Some(response)
+    }
+
     /// What the look before the gate comes to, where it does not agree. The
     /// reason is written where the caller wants it: the holder of a ticket that
     /// is not valid may try again and again.
@@ -287,5 +295,124 @@ impl<D: Device, P: Platform, A: Issuer> Drop for Ticket<'_, D, P, A> {
 impl<D: Device, P: Platform, A: Issuer> fmt::Debug for Ticket<'_, D, P, A> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Ticket").field("id", &self.seat.id).finish_non_exhaustive()
+    }
+}
+
+#[cfg(all(test, feature = "lock-api", not(loom)))]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::clock::{Clock, Duration, Instant};
+    use crate::device::{Declaration, Effect, Profile};
+    use crate::gate::Admission;
+    use crate::lock::{Locked, Outcome, Restartable, Sections, Watch};
+    use crate::recorder::{Lane, Record, RecordedEvent};
+    use crate::standing::Stamp;
+    use crate::validity::Validity;
+    use core::sync::atomic::{AtomicU32, Ordering::Relaxed};
+    use std::{boxed::Box, sync::mpsc};
+
+    enum Alone {}
+
+    impl Sections for Alone {
+        fn store(watch: &Watch<'_>, register: &AtomicU32, word: u32) -> Outcome {
+            if !watch.is_as_expected() {
+                return Outcome::Refused;
+            }
+            register.store(word, Relaxed);
+            Outcome::Stored
+        }
+        fn end_all() -> bool {
+            true
+        }
+    }
+
+    struct Register(&'static AtomicU32);
+
+    impl Device for Register {
+        type Command = u32;
+        type Response = ();
+        type Fault = ();
+
+        fn profile(&self) -> Profile {
+            Profile::new()
+        }
+        fn declare(_: &u32) -> Declaration {
+            Declaration { code: 5, wcet: Duration::from_millis(1), effect: Effect::Unchanged }
+        }
+        fn issue(&mut self, word: u32) -> Result<(), ()> {
+            self.0.store(word, Relaxed);
+            Ok(())
+        }
+        fn safe(&mut self) -> Result<(), ()> {
+            Ok(())
+        }
+        fn register(&self) -> Option<&'static AtomicU32> {
+            Some(self.0)
+        }
+        fn word(word: &u32) -> Option<(u32, ())> {
+            Some((*word, ()))
+        }
+    }
+
+    struct Stopped;
+
+    impl Clock for Stopped {
+        fn now(&self) -> Instant {
+            Instant::START
+        }
+    }
+
+    struct Tape(mpsc::Sender<RecordedEvent>);
+
+    impl Lane for Tape {
+        fn record(&mut self, record: Record) {
+            let _ = self.0.send(record.event);
+        }
+    }
+
+    struct Nobody;
+
+    impl Issuer for Nobody {
+        fn relinquish(&self, _: &Seat<'_>, _: Unrecorded, _: Holder) {}
+    }
+
+    type Inner = Locked<parking_lot::RawMutex, parking_lot::RawThreadId>;
+
+    #[test]
+    fn no_store_is_lost_where_no_more_can_be_counted() {
+        let register: &AtomicU32 = Box::leak(Box::default());
+        let (tape, told) = mpsc::channel();
+        let (standing, scope) = (Standing::new(), Scope::new());
+        let id = TicketId { seat: 0, serial: 1 };
+        standing.seat(id.serial, 1);
+        let mut gate = Gate::<_, (Restartable<Inner, Alone>, _, _)>::new(
+            Register(register),
+            Stopped,
+            Tape(tape),
+        );
+        let (key, handle) = gate.key().split();
+        let seat = Seat { id, gate: GateId(0), standing: &standing, agent: &scope, broker: &scope };
+        let ticket = key.ticket(handle, seat, &Nobody).unwrap();
+        let stamp = Stamp { own: standing.epoch_seen(), broker: scope.read().epoch };
+        let admission = Admission {
+            serial: id.serial,
+            tenure: 0,
+            agent: stamp.broker,
+            validity: Validity::always(),
+            stamp: Some((&standing, stamp)),
+        };
+        key.admit(admission, Duration::MAX).unwrap();
+        ticket.invoke(1).unwrap();
+        ticket.unrecorded.set(Unrecorded { refused: 0, stored: u32::MAX - 1 });
+        for word in 2..=4 {
+            ticket.invoke(word).unwrap();
+        }
+        // What was full was told by the lock, and counts anew.
+        assert_eq!(ticket.unrecorded.get(), Unrecorded { refused: 0, stored: 1 });
+        let issued = RecordedEvent::Issued { code: 5 };
+        let stored = RecordedEvent::Stored { count: u32::MAX };
+        let events: std::vec::Vec<_> = told.try_iter().skip(1).collect();
+        assert_eq!(events, [issued, stored, issued]);
     }
 }
