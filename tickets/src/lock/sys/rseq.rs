@@ -58,6 +58,9 @@ impl<I: Registered> Rseq<I> {
 
 impl<I: Registered> Sections for Rseq<I> {
     fn store(watch: &Watch<'_>, register: &AtomicU32, word: u32) -> Outcome {
+        // The sections compare words of 64 bits: with 32-bit pointers on these
+        // processors they would read past each of them.
+        const { assert!(usize::BITS == 64) };
         match I::offset() {
             0 => Outcome::Refused,
             // SAFETY: `Registered` promises the area at this offset.
