@@ -263,3 +263,29 @@ fn each_ticket_whose_time_is_over_is_reported_once_however_many_there_are() {
     }
     assert_eq!((taken, ended, books.free_seats()), (80, 80, 256));
 }
+
+#[test]
+fn what_was_owed_before_a_reset_is_not_owed_after_it() {
+    let lamp = |draw| Declared { draw, attempts: 1, ..LAMP };
+    let setup = Setup { agents: vec![margin(12)], devices: [3, 6, 4, 2].map(lamp).to_vec() };
+    let ground = Ground::new(setup);
+    let mut gates = ground.gates();
+    let mut world = World::new(&ground, &mut gates);
+    world.settle();
+    request(&mut world, &[2], 255, Limit::None);
+    let first = request(&mut world, &[0], 255, Limit::None);
+    world.service();
+    assert!(turn_on(&world, first));
+    request(&mut world, &[1], 65, Limit::None);
+    let ticket = world.grants.keys().position(|serial| *serial == first).unwrap();
+    world.apply(&Step::DriverFault { ticket: u8::try_from(ticket).unwrap() });
+    world.service();
+    // While the first one's gate is faulted, the room is owed to the third;
+    // from its reset on it is the first one's, and leaves some for this one.
+    let last = request(&mut world, &[3], 0, Limit::None);
+    world.service();
+    assert!(!is_valid(&world, last));
+    world.apply(&Step::Reset { gate: 0 });
+    world.settle();
+    assert!(is_valid(&world, first) && is_valid(&world, last));
+}

@@ -250,8 +250,9 @@ impl World<'_> {
                 let gate = self.gate(gate);
                 self.keys[usize::from(gate.0)].reopen();
                 self.stuck[usize::from(gate.0)] = false;
-                self.feed(Event::Reset(gate));
+                // Before it is fed: what is checked then was decided without it.
                 self.faults[usize::from(gate.0)] = false;
+                self.feed(Event::Reset(gate));
             }
             Step::Unbidden { gate } => {
                 let truth = &self.ground.truths[usize::from(self.gate(gate).0)];
