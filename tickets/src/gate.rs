@@ -4,7 +4,6 @@ mod control;
 mod inside;
 mod key;
 
-use core::cell::Cell;
 use core::fmt;
 use core::sync::atomic::AtomicU32;
 
@@ -14,7 +13,7 @@ use crate::fault::GateFault;
 use crate::interlock::Member;
 use crate::lock::{Exclusion, Next, Shut, Strategy, Task, Way};
 use crate::platform::Platform;
-use crate::recorder::Unrecorded;
+use crate::recorder::Counts;
 use crate::refusal::{InvokeError, Refusal};
 use crate::sync::{AtomicUsize, Ordering};
 use crate::telemetry::Telemetry;
@@ -195,14 +194,14 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
         &self,
         way: &WayOf<'_, D, P>,
         command: D::Command,
-        unrecorded: &Cell<Unrecorded>,
+        counts: &Counts,
         look: impl Fn() -> Result<usize, Refusal>,
     ) -> Result<D::Response, InvokeError<D::Fault>> {
         if cfg!(feature = "mutant-try-lock") {
-            return self.try_invoke(way, command, unrecorded, look);
+            return self.try_invoke(way, command, counts, look);
         }
         let look = self.looking_inside(look);
-        way.with(look, Issue { gate: self, command, unrecorded })
+        way.with(look, Issue { gate: self, command, counts })
             .unwrap_or_else(|shut| Err(self.shut(shut)))?
     }
 
@@ -211,11 +210,11 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
         &self,
         way: &WayOf<'_, D, P>,
         command: D::Command,
-        unrecorded: &Cell<Unrecorded>,
+        counts: &Counts,
         look: impl Fn() -> Result<usize, Refusal>,
     ) -> Result<D::Response, InvokeError<D::Fault>> {
         let look = self.looking_inside(look);
-        way.try_with(look, Issue { gate: self, command, unrecorded })
+        way.try_with(look, Issue { gate: self, command, counts })
             .unwrap_or_else(|shut| Err(self.shut(shut)))?
     }
 
@@ -267,14 +266,14 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
         inside: &mut Inside<D, P>,
         serial: usize,
         command: D::Command,
-        unrecorded: &Cell<Unrecorded>,
+        counts: &Counts,
     ) -> (Result<D::Response, InvokeError<D::Fault>>, Next) {
         let declared = D::declare(&command);
         let started = match self.agree(inside, &declared) {
             Ok(now) => now,
             Err(refusal) => return (Err(refusal.into()), Next::Enter),
         };
-        inside.record_counted(started, serial, unrecorded);
+        inside.record_counted(started, serial, counts);
         // Before the driver runs: one that unwinds was given it all the same.
         inside.record_issued(started, serial, declared.code);
         let result = inside.issue(&self.published, command);
@@ -393,7 +392,7 @@ impl<'t, D: Device, P: Platform> Gate<'t, D, P> {
 struct Issue<'a, 't, D: Device, P: Platform> {
     gate: &'a Gate<'t, D, P>,
     command: D::Command,
-    unrecorded: &'a Cell<Unrecorded>,
+    counts: &'a Counts,
 }
 
 impl<D: Device, P: Platform> Task<Inside<D, P>, usize> for Issue<'_, '_, D, P> {
@@ -401,7 +400,7 @@ impl<D: Device, P: Platform> Task<Inside<D, P>, usize> for Issue<'_, '_, D, P> {
 
     #[inline(always)]
     fn run(self, inside: &mut Inside<D, P>, serial: usize) -> (Self::Output, Next) {
-        self.gate.issue(inside, serial, self.command, self.unrecorded)
+        self.gate.issue(inside, serial, self.command, self.counts)
     }
 }
 

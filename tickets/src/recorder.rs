@@ -1,5 +1,7 @@
 //! The recorder port: what happened, for the flight recorder.
 
+use core::cell::Cell;
+
 use crate::amount::Milliwatts;
 use crate::clock::Instant;
 use crate::fault::GateFault;
@@ -134,19 +136,6 @@ pub struct Unrecorded {
 }
 
 impl Unrecorded {
-    /// One more command was refused.
-    #[must_use]
-    pub const fn and_refused(self) -> Self {
-        Self { refused: self.refused.saturating_add(1), ..self }
-    }
-
-    /// One more command was one store, and issued; `None` where no more can be
-    /// counted.
-    #[must_use]
-    pub fn and_stored(self) -> Option<Self> {
-        self.stored.checked_add(1).map(|stored| Self { stored, ..self })
-    }
-
     /// Whether nothing was counted.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
@@ -160,6 +149,43 @@ impl Unrecorded {
         let stored = (self.stored > 0).then_some(RecordedEvent::Stored { count: self.stored });
         let refused = (self.refused > 0).then_some(RecordedEvent::Refused { count: self.refused });
         [stored, refused]
+    }
+}
+
+/// A ticket's counts. Each is a cell of its own: what is written as two words
+/// and read back as one at the next command is waited for.
+#[derive(Debug, Default)]
+pub(crate) struct Counts {
+    refused: Cell<u32>,
+    stored: Cell<u32>,
+}
+
+impl Counts {
+    /// One more command was refused. More than can be counted are as many.
+    pub(crate) fn refuse(&self) {
+        self.refused.set(self.refused.get().saturating_add(1));
+    }
+
+    /// One more command was one store, and issued; answers how many.
+    #[inline]
+    pub(crate) fn store(&self) -> u32 {
+        let stored = self.stored.get().saturating_add(1);
+        self.stored.set(stored);
+        stored
+    }
+
+    #[cfg(test)]
+    pub(crate) fn with_stores(stored: u32) -> Self {
+        Self { refused: Cell::new(0), stored: Cell::new(stored) }
+    }
+
+    pub(crate) fn get(&self) -> Unrecorded {
+        Unrecorded { refused: self.refused.get(), stored: self.stored.get() }
+    }
+
+    /// What was counted; it is counted anew from here on.
+    pub(crate) fn take(&self) -> Unrecorded {
+        Unrecorded { refused: self.refused.take(), stored: self.stored.take() }
     }
 }
 

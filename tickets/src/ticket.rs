@@ -1,6 +1,5 @@
 //! Tickets: a holder's authority to issue commands through one gate.
 
-use core::cell::Cell;
 use core::fmt;
 
 use crate::device::Device;
@@ -8,7 +7,7 @@ use crate::fault::GateFault;
 use crate::gate::{Gate, WayOf};
 use crate::id::{GateId, Priority, TicketId};
 use crate::platform::{Containment, Platform};
-use crate::recorder::Unrecorded;
+use crate::recorder::{Counts, Unrecorded};
 use crate::refusal::{InvokeError, Refusal};
 use crate::scope::Scope;
 use crate::standing::Standing;
@@ -65,14 +64,14 @@ pub struct Ticket<'a, D: Device, P: Platform, A: Issuer> {
     way: WayOf<'a, D, P>,
     seat: Seat<'a>,
     issuer: &'a A,
-    /// The cell also keeps the ticket from being shared between threads.
-    unrecorded: Cell<Unrecorded>,
+    /// Its cells also keep the ticket from being shared between threads.
+    counts: Counts,
 }
 
 impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
     pub(crate) fn new(gate: &'a Gate<'a, D, P>, seat: Seat<'a>, issuer: &'a A) -> Self {
         let way = gate.way(&seat);
-        Self { gate, way, seat, issuer, unrecorded: Cell::default() }
+        Self { gate, way, seat, issuer, counts: Counts::default() }
     }
 
     /// Issues the command, if the ticket is valid and its validity function
@@ -93,16 +92,12 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
     /// Refused, from the first invocation that happens after the revocation.
     /// One that was admitted before it may still be in progress; who revoked
     /// waits for quiescence.
+    #[inline]
     pub fn invoke(&self, command: D::Command) -> Result<D::Response, InvokeError<D::Fault>> {
-        if let Some(response) = self.store(&command) {
-            return Ok(response);
+        match self.store(&command) {
+            Some(response) => Ok(response),
+            None => self.enter(command),
         }
-        if let Err(fault) = self.seen() {
-            return self.refuse(fault);
-        }
-        let result = self.gate.invoke(&self.way, command, &self.unrecorded, || self.look());
-        self.count_refused(&result);
-        result
     }
 
     /// Like [`invoke`](Ticket::invoke), but says [`Refusal::Busy`] instead of
@@ -123,7 +118,7 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
         if let Err(fault) = self.seen() {
             return self.refuse(fault);
         }
-        let result = self.gate.try_invoke(&self.way, command, &self.unrecorded, || self.look());
+        let result = self.gate.try_invoke(&self.way, command, &self.counts, || self.look());
         self.count_refused(&result);
         result
     }
@@ -210,13 +205,24 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
         self.look().is_ok()
     }
 
-    /// Does a command that is no more than its store, if that is in order. One
-    /// that could not be counted goes by the lock, where what was counted is told.
+    /// Invokes by the gate's lock, or past it.
+    fn enter(&self, command: D::Command) -> Result<D::Response, InvokeError<D::Fault>> {
+        if let Err(fault) = self.seen() {
+            return self.refuse(fault);
+        }
+        let result = self.gate.invoke(&self.way, command, &self.counts, || self.look());
+        self.count_refused(&result);
+        result
+    }
+
+    /// Does a command that is no more than its store, if that is in order. When
+    /// no more can be counted the next one goes by the lock, which tells the count.
     #[inline(always)]
     fn store(&self, command: &D::Command) -> Option<D::Response> {
-        let counted = self.unrecorded.get().and_stored()?;
         let response = self.gate.store(&self.way, command)?;
-        self.unrecorded.set(counted);
+        if self.counts.store() == u32::MAX {
+            self.gate.step_back(&self.way);
+        }
         Some(response)
     }
 
@@ -227,7 +233,7 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
     #[inline(never)]
     fn refuse(&self, fault: usize) -> Result<D::Response, InvokeError<D::Fault>> {
         self.gate.step_back(&self.way);
-        self.unrecorded.set(self.unrecorded.get().and_refused());
+        self.counts.refuse();
         Err(InvokeError::Refused(self.explain(fault)))
     }
 
@@ -279,7 +285,7 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
 
     fn count_refused(&self, result: &Result<D::Response, InvokeError<D::Fault>>) {
         if let Err(InvokeError::Refused(_)) = result {
-            self.unrecorded.set(self.unrecorded.get().and_refused());
+            self.counts.refuse();
         }
     }
 }
@@ -288,7 +294,7 @@ impl<D: Device, P: Platform, A: Issuer> Drop for Ticket<'_, D, P, A> {
     fn drop(&mut self) {
         let died = P::Containment::is_unwinding();
         let holder = if died { Holder::Died } else { Holder::Lives };
-        self.issuer.relinquish(&self.seat, self.unrecorded.get(), holder);
+        self.issuer.relinquish(&self.seat, self.counts.get(), holder);
     }
 }
 
@@ -393,7 +399,7 @@ mod tests {
         );
         let (key, handle) = gate.key().split();
         let seat = Seat { id, gate: GateId(0), standing: &standing, agent: &scope, broker: &scope };
-        let ticket = key.ticket(handle, seat, &Nobody).unwrap();
+        let mut ticket = key.ticket(handle, seat, &Nobody).unwrap();
         let stamp = Stamp { own: standing.epoch_seen(), broker: scope.read().epoch };
         let admission = Admission {
             serial: id.serial,
@@ -404,12 +410,12 @@ mod tests {
         };
         key.admit(admission, Duration::MAX).unwrap();
         ticket.invoke(1).unwrap();
-        ticket.unrecorded.set(Unrecorded { refused: 0, stored: u32::MAX - 1 });
+        ticket.counts = Counts::with_stores(u32::MAX - 1);
         for word in 2..=4 {
             ticket.invoke(word).unwrap();
         }
         // What was full was told by the lock, and counts anew.
-        assert_eq!(ticket.unrecorded.get(), Unrecorded { refused: 0, stored: 1 });
+        assert_eq!(ticket.counts.get(), Unrecorded { refused: 0, stored: 1 });
         let issued = RecordedEvent::Issued { code: 5 };
         let stored = RecordedEvent::Stored { count: u32::MAX };
         let events: std::vec::Vec<_> = told.try_iter().skip(1).collect();

@@ -1,12 +1,10 @@
 //! What is behind a gate's lock: plain state, and the driver.
 
-use core::cell::Cell;
-
 use crate::clock::{Clock, Instant};
 use crate::device::Device;
 use crate::fault::GateFault;
 use crate::platform::{Containment, Platform};
-use crate::recorder::{Lane, Record, RecordedEvent, Unrecorded};
+use crate::recorder::{Counts, Lane, Record, RecordedEvent};
 use crate::refusal::InvokeError;
 use crate::validity::Validity;
 
@@ -84,17 +82,12 @@ impl<D: Device, P: Platform> Inside<D, P> {
     }
 
     /// Records what the ticket has counted, which begins to count anew.
-    pub(super) fn record_counted(
-        &mut self,
-        at: Instant,
-        ticket: usize,
-        unrecorded: &Cell<Unrecorded>,
-    ) {
+    pub(super) fn record_counted(&mut self, at: Instant, ticket: usize, counts: &Counts) {
         // Most commands follow an admitted one: nothing to write back.
-        if unrecorded.get().is_empty() {
+        if counts.get().is_empty() {
             return;
         }
-        let [stored, refused] = unrecorded.take().events();
+        let [stored, refused] = counts.take().events();
         if let Some(event) = stored {
             self.record(at, ticket, event);
         }

@@ -183,6 +183,31 @@ impl<L, K: Sections> RestartableWay<'_, L, K> {
     /// How often a section is started before the command goes by `S`.
     pub const TRIES: usize = 3;
 
+    #[inline(always)]
+    fn section(&self, register: &AtomicU32, word: u32) -> Outcome {
+        let [own, agent, broker] = self.epochs;
+        let [own_seen, agent_seen, broker_seen] = self.seen.get();
+        let watch = Watch {
+            words: [&self.lock.open_to, own, agent, broker],
+            values: [self.number, own_seen, agent_seen, broker_seen],
+        };
+        K::store(&watch, register, word)
+    }
+
+    // Apart: a section in a loop keeps its dozen words on the stack.
+    #[cold]
+    #[inline(never)]
+    fn store_again(&self, register: &AtomicU32, word: u32) -> bool {
+        for _ in 1..Self::TRIES {
+            match self.section(register, word) {
+                Outcome::Stored => return true,
+                Outcome::Refused => return false,
+                Outcome::Restarted => {}
+            }
+        }
+        false
+    }
+
     /// Inside `inner`.
     fn enter<T, St, E, J: Task<T, St>>(
         &self,
@@ -227,20 +252,17 @@ impl<T: Send, L: Exclusion<T>, K: Sections> Way<T> for RestartableWay<'_, L, K> 
         self.lock.inner.try_with(|value| self.enter(value, look, task))?
     }
 
+    fn step_back(&self) {
+        // No epoch: they begin with 1.
+        self.seen.set([0; 3]);
+    }
+
+    #[inline]
     fn store(&self, register: &AtomicU32, word: u32) -> bool {
-        let [own, agent, broker] = self.epochs;
-        let [own_seen, agent_seen, broker_seen] = self.seen.get();
-        let watch = Watch {
-            words: [&self.lock.open_to, own, agent, broker],
-            values: [self.number, own_seen, agent_seen, broker_seen],
-        };
-        for _ in 0..Self::TRIES {
-            match K::store(&watch, register, word) {
-                Outcome::Stored => return true,
-                Outcome::Refused => return false,
-                Outcome::Restarted => {}
-            }
+        match self.section(register, word) {
+            Outcome::Stored => true,
+            Outcome::Refused => false,
+            Outcome::Restarted => self.store_again(register, word),
         }
-        false
     }
 }

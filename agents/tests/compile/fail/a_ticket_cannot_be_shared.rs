@@ -11,7 +11,7 @@ fn main() {
     let ticket = broker.request(Priority::SCIENCE, &lamp).unwrap();
     broker.service();
     thread::scope(|scope| {
-        let holder = scope.spawn(|| ticket.invoke(Switch::On)); //~ E0277: `Sync`, `Cell<Unrecorded>`
+        let holder = scope.spawn(|| ticket.invoke(Switch::On)); //~ E0277: `Sync`, `Cell<u32>`
         assert_eq!(holder.join().unwrap(), Ok(true));
     });
 }
