@@ -15,13 +15,15 @@ if [[ ! -f $runtime ]]; then
     echo "skipped: $(rustc +nightly -V) for $host has no realtime sanitizer: $runtime is not there"
     exit
 fi
+target=${CARGO_TARGET_DIR:-$PWD/target}/rtsan
+mkdir -p "$target"
 probe='#![feature(sanitize)] #[sanitize(realtime = "nonblocking")] fn main() {}'
-if ! rustc +nightly -Zsanitizer=realtime --emit metadata -o /dev/null - <<<"$probe" 2>/dev/null; then
+# Not to /dev/null: the compiler puts a file in the place of what is there.
+if ! rustc +nightly -Zsanitizer=realtime --emit metadata -o "$target/probe.rmeta" - \
+    <<<"$probe" 2>"$target/probe.log"; then
     echo "skipped: $(rustc +nightly -V) does not know #[sanitize(realtime = ..)] as it is written here"
     exit
 fi
-target=${CARGO_TARGET_DIR:-$PWD/target}/rtsan
-mkdir -p "$target"
 # With a target named, build scripts and macros are not instrumented.
 RUSTFLAGS="-Zsanitizer=realtime" cargo +nightly build --locked --quiet --target "$host" \
     --target-dir "$target" --manifest-path ci/rtsan/Cargo.toml
