@@ -25,7 +25,7 @@ use crate::ticket::Seat;
 /// patience, not at once.
 ///
 /// # Timing
-/// Short way: seven loads and stores and one fence; no loop, no
+/// Short way: a few loads and stores and one fence; no loop, no
 /// read-modify-write. Else that of `S`, and of the command in flight; a timeout
 /// counts for each of the two.
 #[derive(Debug)]
