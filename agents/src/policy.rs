@@ -7,6 +7,7 @@ use faregate_tickets::amount::{Microjoules, Milligrams, Milliwatts};
 /// A set of up to 128 conflict categories. Devices that share one are never
 /// used by two valid tickets at a time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Categories(u128);
 
 impl Categories {

@@ -7,6 +7,7 @@ macro_rules! amount {
     ($(#[$doc:meta])* $name:ident, $($size:literal $unit:literal),+) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
         pub struct $name(u64);
 
         impl $name {

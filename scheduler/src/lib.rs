@@ -1,0 +1,31 @@
+//! The schedule manager: what runs when, on tickets.
+//!
+//! A *task* is a program, a function, a sequence of commands or a mere claim on
+//! resources, with times, a priority and conflict categories. The [`Manager`]
+//! decides which tasks run. It is a pure step function, from its state, what
+//! happened and the present instant to actions. An *executive* feeds it and
+//! carries out what it says: on a virtual clock faster than real time, or with
+//! processes, threads and the tickets of a broker.
+//!
+//! No task is dispatched without valid tickets for everything that it may
+//! touch. Who loses its tickets is stopped, and goes on when they are valid
+//! again.
+//!
+//! # The parts
+//!
+//! | part | what |
+//! |---|---|
+//! | [`task`] | what a task is |
+//! | [`mission`] | devices, agents, margins, category names, modes |
+//! | [`manager`] | decides: events in, actions out |
+//! | [`executive`] | carries out: the loop, and the ports it needs |
+
+pub mod executive;
+pub mod manager;
+pub mod mission;
+pub mod task;
+pub mod time;
+
+pub use manager::Manager;
+pub use mission::Mission;
+pub use task::{Task, TaskId};

@@ -1,0 +1,43 @@
+//! What a journal gives back after the manager's process has ended.
+
+use crate::manager::Attempt;
+use crate::task::{Outcome, Task};
+use crate::time::UnixTime;
+
+/// What a journal knows: where a manager goes on.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Restored {
+    /// The tasks of the schedule, in its order.
+    pub tasks: Vec<RestoredTask>,
+    /// Modes that were entered and not left.
+    pub modes: Vec<String>,
+    /// The next position in the schedule.
+    pub next_position: u64,
+}
+
+/// A task as the journal knows it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RestoredTask {
+    /// The task.
+    pub task: Task,
+    /// How many tasks of this id were there before.
+    pub load: u32,
+    /// Its position in the schedule.
+    pub position: u64,
+    /// When it was accepted.
+    pub accepted: UnixTime,
+    /// Whether it is held.
+    pub held: bool,
+    /// Whether the task is over, and kept because others depend on it, or its
+    /// id is taken.
+    pub over: bool,
+    /// The latest outcome, of the occurrence of this number.
+    pub ended: Option<(u64, Outcome)>,
+    /// How many attempts of the occurrence after `ended` began.
+    pub attempts: u32,
+    /// The attempt that began and is not known to be over: it is interrupted.
+    pub interrupted: Option<Attempt>,
+    /// Whether the occurrence was to start without a sync and may have started:
+    /// true only after a power loss.
+    pub may_have_started: bool,
+}
