@@ -9,6 +9,7 @@ mod needs;
 mod note;
 mod record;
 mod restored;
+mod words;
 
 pub use action::{Action, Stop, StopWhy};
 pub use event::{Addition, Event, Exit, Reading, Reply, Telecommand, TelecommandId};
