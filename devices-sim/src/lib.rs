@@ -39,11 +39,13 @@
 //! |---|---|
 //! | [`interleave`] | threads as coroutines, a seeded schedule, locks and wake flags in virtual time |
 //! | [`parameters`] | the numbers, with their reasons |
+//! | [`payload`] | a bus, a battery, and whatever units a mission has |
 
 #![forbid(unsafe_code)]
 
 pub mod interleave;
 pub mod parameters;
+pub mod payload;
 
 mod battery;
 mod camera;
