@@ -11,3 +11,12 @@ pub use ports::{Bodies, StartBody, TicketPort};
 pub use virtual_bodies::{Conduct, VirtualBodies, expected};
 pub use virtual_tickets::VirtualTickets;
 pub use virtual_time::{Stuck, Unwritten, VirtualExecutive};
+mod hooks;
+mod ports;
+mod waker;
+
+pub use hooks::{
+    CommandRefused, Commands, NoDevices, NoPorts, PortFactory, PortNotice, RefusedKind,
+};
+pub use ports::{Bodies, StartBody, TicketPort};
+pub use waker::Waker;
