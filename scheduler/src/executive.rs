@@ -4,6 +4,8 @@
 mod clock;
 mod drive;
 mod hooks;
+#[cfg(target_os = "linux")]
+mod host;
 mod ports;
 mod virtual_bodies;
 mod virtual_tickets;
@@ -16,6 +18,8 @@ pub use drive::{Driver, JournalSink, LoadedFile, Outside, Ports};
 pub use hooks::{
     CommandRefused, Commands, NoDevices, NoPorts, PortFactory, PortNotice, RefusedKind,
 };
+#[cfg(target_os = "linux")]
+pub use host::{Correspondent, HostExecutive, Watched};
 pub use ports::{Bodies, StartBody, TicketPort};
 pub use virtual_bodies::{Conduct, VirtualBodies, expected};
 pub use virtual_tickets::VirtualTickets;

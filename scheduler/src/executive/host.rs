@@ -1,0 +1,181 @@
+//! The executive of a host: processes, threads, tickets of a broker, in real
+//! time.
+//!
+//! One thread decides and starts bodies. It sleeps until the next due instant,
+//! or until a port has something to tell; it never looks at intervals.
+
+use std::io;
+use std::os::fd::{AsFd, BorrowedFd};
+
+use rustix::event::{PollFd, PollFlags, poll};
+use rustix::io::Errno;
+
+use crate::executive::{
+    Bodies, Driver, HostClock, JournalSink, Outside, Ports, TicketPort, Timers, Waker,
+};
+use crate::manager::{Event, Manager, Restored};
+use crate::mission::Mission;
+use crate::time::Now;
+
+/// A port that has file descriptors of its own to wait for. One that rings the
+/// [`Waker`] instead has none.
+pub trait Watched {
+    /// Adds what becomes readable when the port has something to tell.
+    fn fds<'a>(&'a self, fds: &mut Vec<BorrowedFd<'a>>) {
+        let _ = fds;
+    }
+}
+
+/// Everybody outside: who commands the manager, and who is told.
+pub trait Correspondent: Outside + Watched {
+    /// What was asked since: telecommands and readings. Questions about the
+    /// schedule are answered at once.
+    fn poll(&mut self, now: Now, manager: &Manager, events: &mut Vec<Event>);
+}
+
+/// Runs a schedule in real time.
+///
+/// Children die with the thread that forks them: keep the executive on one
+/// thread, which lives as long as the program.
+#[derive(Debug)]
+pub struct HostExecutive<B, T, J, O> {
+    driver: Driver,
+    bodies: B,
+    tickets: T,
+    journal: J,
+    outside: O,
+    clock: HostClock,
+    timers: Timers,
+    waker: Waker,
+}
+
+impl<B, T, J, O> HostExecutive<B, T, J, O>
+where
+    B: Bodies + Watched,
+    T: TicketPort + Watched,
+    J: JournalSink,
+    O: Correspondent,
+{
+    /// An executive that goes on where a journal ends; an empty
+    /// [`Restored`] begins anew. All ports ring this bell.
+    ///
+    /// # Errors
+    /// The journal's, and when the host has no file descriptor left.
+    pub fn new(
+        mission: Mission,
+        restored: Restored,
+        waker: Waker,
+        clock: HostClock,
+        ports: (B, T, J, O),
+    ) -> io::Result<Self> {
+        let (mut bodies, mut tickets, mut journal, mut outside) = ports;
+        let timers = Timers::new(clock)?;
+        let mut borrowed = Ports {
+            bodies: &mut bodies,
+            tickets: &mut tickets,
+            journal: &mut journal,
+            outside: &mut outside,
+        };
+        let driver = Driver::restore(mission, restored, clock.now(), &mut borrowed)?;
+        Ok(Self { driver, bodies, tickets, journal, outside, clock, timers, waker })
+    }
+
+    /// Something happened that no port tells of.
+    pub fn tell(&mut self, event: Event) {
+        self.driver.tell(event);
+    }
+
+    /// The manager, for questions.
+    #[must_use]
+    pub fn manager(&self) -> &Manager {
+        self.driver.manager()
+    }
+
+    /// Everybody outside.
+    pub fn outside(&mut self) -> &mut O {
+        &mut self.outside
+    }
+
+    /// The bodies.
+    pub fn bodies(&mut self) -> &mut B {
+        &mut self.bodies
+    }
+
+    /// The ports, when all is over.
+    #[must_use]
+    pub fn into_ports(self) -> (B, T, J, O) {
+        (self.bodies, self.tickets, self.journal, self.outside)
+    }
+
+    /// The executive's clock.
+    #[must_use]
+    pub fn now(&self) -> Now {
+        self.clock.now()
+    }
+
+    /// Runs until `is_over` says so. It is asked after each decision, and
+    /// whenever the thread was woken.
+    ///
+    /// # Errors
+    /// The journal's: then nothing more is carried out, and the program must
+    /// end.
+    pub fn run(&mut self, mut is_over: impl FnMut(&Manager, Now) -> bool) -> io::Result<()> {
+        loop {
+            while self.turn()? {}
+            if is_over(self.driver.manager(), self.clock.now()) {
+                return Ok(());
+            }
+            self.wait()?;
+        }
+    }
+
+    /// Takes what has happened by now to the manager, and carries out what it
+    /// says. Answers whether there was anything.
+    ///
+    /// # Errors
+    /// As [`HostExecutive::run`].
+    pub fn turn(&mut self) -> io::Result<bool> {
+        // Before the ports are asked: a ring that comes later ends the wait.
+        let _ = self.waker.take();
+        let now = self.clock.now();
+        let mut events = Vec::new();
+        self.outside.poll(now, self.driver.manager(), &mut events);
+        for event in events {
+            self.driver.tell(event);
+        }
+        let mut ports = Ports {
+            bodies: &mut self.bodies,
+            tickets: &mut self.tickets,
+            journal: &mut self.journal,
+            outside: &mut self.outside,
+        };
+        self.driver.turn(now, &mut ports)
+    }
+
+    /// Sleeps until something is due, or a port has something to tell.
+    ///
+    /// # Errors
+    /// The kernel's.
+    pub fn wait(&mut self) -> io::Result<()> {
+        self.timers.arm(self.driver.next_due(&self.bodies, &self.tickets))?;
+        let mut fds = Vec::with_capacity(8);
+        fds.extend(self.timers.fds());
+        let timers = fds.len();
+        fds.push(self.waker.as_fd());
+        self.bodies.fds(&mut fds);
+        self.tickets.fds(&mut fds);
+        self.outside.fds(&mut fds);
+        let mut waited: Vec<_> =
+            fds.into_iter().map(|fd| PollFd::from_borrowed_fd(fd, PollFlags::IN)).collect();
+        match poll(&mut waited, None) {
+            Ok(_) | Err(Errno::INTR) => {}
+            Err(error) => return Err(error.into()),
+        }
+        let ran_out = waited.iter().take(timers).any(|timer| !timer.revents().is_empty());
+        drop(waited);
+        if ran_out {
+            self.timers.rearm();
+        }
+        Ok(())
+    }
+}
