@@ -15,6 +15,7 @@ mod device;
 mod grant;
 mod handover;
 mod notice;
+mod redeclare;
 mod report;
 mod seats;
 
@@ -35,6 +36,7 @@ pub use actions::{Actions, List, Noted};
 use device::DeviceBook;
 use grant::{Grant, SetBook};
 pub use handover::{Done, Work};
+pub use redeclare::Redeclared;
 pub use report::{DeviceReport, DeviceState};
 pub use seats::Ask;
 
@@ -263,7 +265,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
                 self.relinquish(ticket, gate, holder, actions);
             }
             Event::Barred { seat, epoch } => self.bar(seat, epoch, actions),
-            Event::HitByStaleBar { seat, epoch } => self.hit_by_stale_bar(seat, epoch),
+            Event::HitByStaleBar { seat, epoch } => self.hit_by_stale_bar(seat, epoch, actions),
             Event::Reinstated(ticket) => self.reinstate(ticket),
             Event::Observed(gate, estimate) => self.observe(gate, estimate, actions),
             Event::Supply { agent, supply } => self.set_supply(agent, supply),

@@ -6,6 +6,7 @@
 //! locks, and who waits at a gate keeps nobody from the books.
 
 mod asks;
+mod redeclare;
 mod service;
 mod supervise;
 
@@ -56,9 +57,25 @@ struct Ledger<P: Platform, const G: usize, const T: usize, const S: usize> {
     lane: P::Lane,
     /// What the latest step asked for.
     actions: Actions<G>,
-    /// Tickets that became valid or ended, to be notified by the next service,
-    /// which has been asked for.
-    changed: heapless::Vec<TicketId, CHANGED>,
+    /// Tickets that became valid, were revoked or ended, to be notified by the
+    /// next service, which has been asked for.
+    changed: heapless::Vec<Changed, CHANGED>,
+}
+
+/// A ticket of which somebody is to be told.
+#[derive(Clone, Copy)]
+enum Changed {
+    GrantedOrEnded(TicketId),
+    Revoked(TicketId),
+}
+
+impl Changed {
+    fn tell(self, notify: &impl Notify) {
+        match self {
+            Self::GrantedOrEnded(ticket) => notify.ticket_changed(ticket),
+            Self::Revoked(ticket) => notify.ticket_revoked(ticket),
+        }
+    }
 }
 
 /// What one step can change, twice over.
@@ -265,12 +282,18 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
     /// What the step asked for at once: increments, and records.
     fn carry_out(&self, ledger: &mut Ledger<P, G, T, S>, now: Instant) {
         let Ledger { actions, changed, lane, .. } = ledger;
-        for ticket in actions.granted.iter().chain(&actions.ended) {
-            if changed.push(*ticket).is_err() {
+        let mut note = |change: Changed| {
+            if changed.push(change).is_err() {
                 // More than fits between two services: better under the lock
                 // than not at all.
-                self.notify.ticket_changed(*ticket);
+                change.tell(&self.notify);
             }
+        };
+        for ticket in actions.granted.iter().chain(&actions.ended) {
+            note(Changed::GrantedOrEnded(*ticket));
+        }
+        for (ticket, _) in actions.revoked.iter().chain(&actions.explained) {
+            note(Changed::Revoked(*ticket));
         }
         // What was granted in this step may have been revoked in it.
         for ticket in &actions.granted {

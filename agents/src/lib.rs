@@ -113,6 +113,7 @@
 //! | [`Handle`], [`Want`], [`Wants`] | what can be requested, one gate or several all or nothing |
 //! | [`Policy`], [`Categories`] | what an agent's valid tickets must keep to, together |
 //! | [`Supervisor`], [`Revoked`], [`Quiescent`] | revoking what is not one's own, and waiting until it is over |
+//! | [`Redeclared`], [`NotRedeclared`] | another draw and other categories for a device without commands |
 //! | [`RequestRefused`], [`Waiting`] | what can never be, and what a ticket waits for |
 //! | [`Books`], [`Event`], [`Work`], [`Done`] | the step function beneath, which tests and model checkers drive |
 //! | [`limits`] | the capacities that are the same for every mission |
@@ -132,10 +133,12 @@ mod policy;
 mod refusal;
 mod roster;
 
-pub use books::{Actions, Ask, Books, DeviceReport, DeviceState, Done, Event, List, Noted, Work};
+pub use books::{
+    Actions, Ask, Books, DeviceReport, DeviceState, Done, Event, List, Noted, Redeclared, Work,
+};
 pub use broker::{
     AgentId, Broker, Handle, NotQuiescent, NotYours, Quiescent, RegisterError, Revoked, Supervisor,
     Want, Wants,
 };
 pub use policy::{Categories, Policy};
-pub use refusal::{Capacity, RequestRefused, Waiting};
+pub use refusal::{Capacity, NotRedeclared, RequestRefused, Waiting};

@@ -14,6 +14,8 @@ use crate::policy::Categories;
 pub enum RequestRefused {
     /// The gate is not registered with this broker.
     UnknownGate,
+    /// The request names no gate.
+    NoGate,
     /// The request names a gate twice, or one that the ticket has already.
     GateTwice(GateId),
     /// More draw than the agent's supply has ever been.
@@ -63,6 +65,7 @@ impl fmt::Display for RequestRefused {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::UnknownGate => f.write_str("the gate is not registered with this broker"),
+            Self::NoGate => f.write_str("the request names no gate"),
             Self::GateTwice(gate) => write!(f, "the request names {gate} twice"),
             Self::OverSupply { draw, supply } => {
                 write!(f, "it would draw {draw}, and the supply is {supply} at most")
@@ -92,6 +95,37 @@ impl fmt::Display for RequestRefused {
 }
 
 impl core::error::Error for RequestRefused {}
+
+/// Why a device was not declared anew. Everything is as it was.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum NotRedeclared {
+    /// The gate is not registered with this broker.
+    UnknownGate,
+    /// A ticket names the gate, valid or not.
+    Requested {
+        /// Which one.
+        by: TicketId,
+    },
+    /// The device may be on: it has not been seen off since it was last used.
+    MayBeOn,
+    /// The broker's books cannot be entered: a thread died inside, or this one
+    /// is inside.
+    Unavailable,
+}
+
+impl fmt::Display for NotRedeclared {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::UnknownGate => f.write_str("the gate is not registered with this broker"),
+            Self::Requested { by } => write!(f, "{by} names the gate; relinquish it first"),
+            Self::MayBeOn => f.write_str("the device may be on; it must be seen off first"),
+            Self::Unavailable => f.write_str("the broker's books cannot be entered"),
+        }
+    }
+}
+
+impl core::error::Error for NotRedeclared {}
 
 /// What a waiting ticket waits for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -89,6 +89,14 @@ fn ordered() -> impl Strategy<Value = Step> {
         (any(), 2..16_u64).prop_map(|(agent, supply)| Step::Supply { agent, supply }),
         (any(), priority()).prop_map(|(scope, floor)| Step::EnterSafeMode { scope, floor }),
         any().prop_map(|scope| Step::LeaveSafeMode { scope }),
+        (any(), prop_oneof![Just(0_u64), 2..8_u64], 0..4_u8, 0..3_u64).prop_map(
+            |(gate, draw, categories, longer_ms)| Step::Redeclare {
+                gate,
+                draw,
+                categories,
+                longer_ms
+            }
+        ),
         (any(), priority()).prop_map(|(ticket, floor)| Step::RevokeAllButMe { ticket, floor }),
     ]
 }

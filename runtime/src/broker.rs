@@ -16,7 +16,7 @@ use faregate_agents::{
 use faregate_tickets::Gate;
 use faregate_tickets::clock::{Clock, Duration};
 use faregate_tickets::device::Device;
-use faregate_tickets::id::{GateId, Priority};
+use faregate_tickets::id::{GateId, Priority, TicketId};
 use faregate_tickets::interlock::Member;
 use faregate_tickets::lock::Strategy;
 use faregate_tickets::refusal::Refusal;
@@ -26,14 +26,14 @@ use faregate_tickets::telemetry::Telemetry;
 use crate::clock::MonotonicClock;
 use crate::host::{Host, HostStrategy, Supported};
 use crate::lanes::{Draining, Recorder};
-use crate::waiters::Waiters;
+use crate::waiters::{Waiters, Watcher};
 
 /// The most gates of a [`Broker`].
-pub const GATES: usize = 32;
+pub const GATES: usize = 64;
 /// The most tickets of a [`Broker`].
-pub const TICKETS: usize = 256;
+pub const TICKETS: usize = 512;
 /// The most all-or-nothing requests of a [`Broker`].
-pub const SETS: usize = 16;
+pub const SETS: usize = 64;
 /// How many threads are woken when their ticket is valid. More may wait; they look
 /// for themselves.
 pub const WAITERS: usize = 64;
@@ -53,6 +53,7 @@ pub type Handle<D, S = HostStrategy> = faregate_agents::Handle<'static, D, Host<
 pub struct Builder {
     agents: Box<Agents>,
     waiters: &'static Waiters,
+    watchers: Vec<Watcher>,
     recorder: Recorder,
     priority: Option<u8>,
     drain_every: Duration,
@@ -191,6 +192,19 @@ impl Builder {
         self
     }
 
+    /// Tells this function of every ticket that became valid, was revoked or
+    /// ended: one that watches what others hold. What has become of the ticket
+    /// by then, it says itself ([`check`](faregate_tickets::Ticket::check)).
+    ///
+    /// # Timing
+    /// The function is called after all locks are released, by whoever did the
+    /// step, a rescuer included: it must not block, and ring a bell at most.
+    #[must_use]
+    pub fn watch(mut self, watcher: impl Fn(TicketId) + Send + Sync + 'static) -> Self {
+        self.watchers.push(Box::new(watcher));
+        self
+    }
+
     /// Starts the service and recorder threads.
     ///
     /// # Errors
@@ -198,6 +212,7 @@ impl Builder {
     pub fn start(self) -> io::Result<Broker> {
         let agents: &'static Agents = Box::leak(self.agents);
         let waiters = self.waiters;
+        waiters.told_by(self.watchers);
         let stop = Arc::new(AtomicBool::new(false));
         let draining = self.recorder.start(self.drain_every)?;
         let (tell, told) = std::sync::mpsc::sync_channel(1);
@@ -332,9 +347,11 @@ impl Broker {
         let waiters: &'static Waiters = Box::leak(Box::new(Waiters::new()?));
         let mut recorder = Recorder::new();
         let lane = recorder.lane("broker", LANE);
-        let agents = Box::new(Agents::new(MonotonicClock::new(), lane, waiters));
+        let agents =
+            on_a_large_stack(move || Box::new(Agents::new(MonotonicClock::new(), lane, waiters)))?;
         let drain_every = Duration::from_millis(20);
-        Ok(Builder { agents, waiters, recorder, priority: None, drain_every })
+        let watchers = Vec::new();
+        Ok(Builder { agents, waiters, watchers, recorder, priority: None, drain_every })
     }
 
     /// Requests tickets; see [`faregate_agents::Broker::request`].
@@ -461,6 +478,14 @@ impl Broker {
     pub fn clock(&self) -> MonotonicClock {
         MonotonicClock::new()
     }
+}
+
+/// The broker is large, and made by value: a thread with a small stack could not
+/// begin to put one together.
+fn on_a_large_stack<R: Send + 'static>(make: impl FnOnce() -> R + Send + 'static) -> io::Result<R> {
+    let thread = std::thread::Builder::new().stack_size(16 * size_of::<Agents>());
+    let made = thread.spawn(make)?.join();
+    made.map_err(|_| io::Error::other("the broker could not be put together"))
 }
 
 /// Whether waiting for the ticket is over.

@@ -1,7 +1,8 @@
 //! Who waits for which ticket, and the bells that wake them.
 
-use std::io;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::{fmt, io};
 
 use crossbeam::queue::ArrayQueue;
 use crossbeam::utils::CachePadded;
@@ -22,12 +23,15 @@ const LOOK_AGAIN: std::time::Duration = std::time::Duration::from_millis(1);
 /// once more; none is rung too seldom, because who makes a ticket valid does so
 /// under the broker's lock, which the waiter's own service has passed through
 /// since it marked its bell.
-#[derive(Debug)]
 pub struct Waiters {
     service: Wakeup,
     bells: Box<[CachePadded<Bell>]>,
     free: ArrayQueue<usize>,
+    watchers: OnceLock<Vec<Watcher>>,
 }
+
+/// Is told of every ticket that changed.
+pub(crate) type Watcher = Box<dyn Fn(TicketId) + Send + Sync>;
 
 #[derive(Debug)]
 struct Bell {
@@ -46,7 +50,19 @@ impl Waiters {
             // There is room for each.
             let _ = free.push(bell);
         }
-        Ok(Self { service: Wakeup::new()?, bells: bells?.into(), free })
+        let watchers = OnceLock::new();
+        Ok(Self { service: Wakeup::new()?, bells: bells?.into(), free, watchers })
+    }
+
+    /// Who watches, from now on. Set once, before the service starts.
+    pub(crate) fn told_by(&self, watchers: Vec<Watcher>) {
+        let _ = self.watchers.set(watchers);
+    }
+
+    fn tell_watchers(&self, ticket: TicketId) {
+        for watcher in self.watchers.get().into_iter().flatten() {
+            watcher(ticket);
+        }
     }
 
     /// A bell for this ticket, unless all are taken.
@@ -87,10 +103,21 @@ impl Notify for Waiters {
                 bell.wakeup.notify();
             }
         }
+        self.tell_watchers(ticket);
+    }
+
+    fn ticket_revoked(&self, ticket: TicketId) {
+        self.tell_watchers(ticket);
     }
 
     fn service_due(&self) {
         self.service.notify();
+    }
+}
+
+impl fmt::Debug for Waiters {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Waiters").field("bells", &self.bells).finish_non_exhaustive()
     }
 }
 

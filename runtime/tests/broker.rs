@@ -224,11 +224,6 @@ fn tickets_go_to_and_fro_under_load_and_none_is_refused_while_valid() {
 
 /// It is moved a few times while it is put together, on whatever stack there is.
 #[test]
-fn a_broker_is_small_enough_to_be_made_on_a_threads_stack() {
-    assert!(size_of::<faregate_runtime::broker::Agents>() < 200 * 1024);
-}
-
-#[test]
 fn tickets_are_served_when_nobody_has_the_broker_any_more() {
     let on = Arc::new(AtomicBool::new(false));
     let ticket = {

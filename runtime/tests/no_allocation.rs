@@ -69,7 +69,7 @@ fn fly<S: Supported>() {
     assert_eq!(bench.broker.close(), Ok(()));
 }
 
-const NOT_IN_FLIGHT: [&str; 14] = [
+const NOT_IN_FLIGHT: [&str; 15] = [
     "broker::new",
     "broker::categories",
     "broker::watching",
@@ -81,6 +81,7 @@ const NOT_IN_FLIGHT: [&str; 14] = [
     "broker::supervisor",
     "broker::supervisor_of",
     "broker::real_time",
+    "broker::watch",
     "broker::start",
     "broker::builder",
     "broker::close",

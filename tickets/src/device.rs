@@ -171,6 +171,7 @@ pub struct Profile {
     /// What happens when the device may be on and nobody holds a ticket for it.
     pub when_orphaned: WhenOrphaned,
     /// The lease of a ticket that names none. A device without draw needs none.
+    /// [`Duration::MAX`] is none: for what cannot outlive its holder anyway.
     pub lease: Duration,
 }
 

@@ -10,6 +10,15 @@ pub trait Notify: Sync {
     /// The ticket became valid, or has ended.
     fn ticket_changed(&self, ticket: TicketId);
 
+    /// The ticket was revoked, and has not ended: it waits, rests or is barred.
+    /// Who waits for it need not wake. Who watches what others hold does; a
+    /// host without such leaves this as it is.
+    ///
+    /// That the ticket refuses does not depend on this: it is told afterwards.
+    fn ticket_revoked(&self, ticket: TicketId) {
+        let _ = ticket;
+    }
+
     /// There is something to do for `service`.
     fn service_due(&self);
 }
@@ -27,6 +36,10 @@ impl Notify for NoNotify {
 impl<N: Notify + Send + ?Sized> Notify for &N {
     fn ticket_changed(&self, ticket: TicketId) {
         (**self).ticket_changed(ticket);
+    }
+
+    fn ticket_revoked(&self, ticket: TicketId) {
+        (**self).ticket_revoked(ticket);
     }
 
     fn service_due(&self) {

@@ -1,6 +1,7 @@
 //! How grants come and go: requests, relinquishing, bars, limits that run out.
 
 use faregate_tickets::amount::{Microjoules, Milligrams, Milliwatts};
+use faregate_tickets::clock::Duration;
 use faregate_tickets::id::{GateId, HolderId, Priority, TicketId};
 use faregate_tickets::standing::Why;
 use faregate_tickets::ticket::Holder;
@@ -123,11 +124,12 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     /// as a whole.
     fn leased(&self, gate: GateId, validity: &Validity) -> Result<Validity, RequestRefused> {
         let device = self.device(gate).ok_or(RequestRefused::UnknownGate)?;
-        if device.profile.draw.is_zero() || validity.lease().is_some() {
+        let lease = device.profile.lease;
+        if device.profile.draw.is_zero() || lease == Duration::MAX || validity.lease().is_some() {
             return Ok(*validity);
         }
         let full = RequestRefused::NoCapacity(Capacity::ValidityFunctions);
-        validity.and(Function::lease(device.profile.lease)).map_err(|_| full)
+        validity.and(Function::lease(lease)).map_err(|_| full)
     }
 
     /// Whether each agent could ever grant this beside the `others` that the
@@ -467,13 +469,15 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
 
     /// Somebody meant an earlier grant of this seat: the one that was hit waits,
     /// and is restored in its turn.
-    pub(super) fn hit_by_stale_bar(&mut self, seat: u16, epoch: usize) {
+    pub(super) fn hit_by_stale_bar(&mut self, seat: u16, epoch: usize, actions: &mut Actions<G>) {
         let Some(grant) = self.grants.get_mut(usize::from(seat)) else { return };
         grant.own = epoch;
         if grant.serial != 0 && grant.is_granted() {
             grant.state = State::Waiting;
             grant.exempt = false;
-            let gates = grant.gates;
+            let (gates, id) = (grant.gates, grant.id(seat));
+            // Nothing that could be said of somebody else's bar is true of it.
+            actions.explained.push((id, Why::Unknown));
             self.put_out(seat, gates);
         }
     }

@@ -1,6 +1,8 @@
 //! Requests: one gate, or several all or nothing, in the types of their
 //! devices.
 
+mod lists;
+
 use core::fmt;
 
 use faregate_tickets::clock::Clock;
@@ -83,8 +85,9 @@ impl<D: Device, P: Platform> fmt::Debug for Want<'_, D, P> {
     }
 }
 
-/// What can be requested: a handle, a [`Want`], or a tuple of wants, which is
-/// granted all or nothing and answers a tuple of tickets.
+/// What can be requested: a handle, a [`Want`], or several wants, which are
+/// granted all or nothing: a tuple of them answers a tuple of tickets, a
+/// [`heapless::Vec`] of equal ones a list, and a want beside a list both.
 pub trait Wants<'b, 'g: 'b, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
 {
     /// The tickets, one for each gate.
@@ -307,7 +310,7 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
         });
     }
 
-    fn known<D: Device, Q: Platform>(
+    pub(super) fn known<D: Device, Q: Platform>(
         &self,
         handle: &Handle<'g, D, Q>,
     ) -> Result<GateId, RequestRefused> {

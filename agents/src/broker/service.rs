@@ -2,7 +2,7 @@
 
 use faregate_tickets::clock::{Clock, Instant};
 use faregate_tickets::gate::{Admission, Key};
-use faregate_tickets::id::{GateId, Priority, TicketId};
+use faregate_tickets::id::{GateId, Priority};
 use faregate_tickets::lock::Exclusion;
 use faregate_tickets::notify::Notify;
 use faregate_tickets::platform::Platform;
@@ -13,7 +13,7 @@ use faregate_tickets::standing::Stamp;
 use crate::books::{Done, Event, Work};
 use crate::limits::MAX_GATES;
 
-use super::{Broker, Ledger};
+use super::{Broker, Changed, Ledger};
 
 /// How many are told at once that their tickets changed.
 const TOLD: usize = 8;
@@ -72,7 +72,7 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
 
     /// Takes in what happened, and what can be seen, and looks what is due.
     fn look(&self, event: Option<Event>) -> Found {
-        let mut changed = heapless::Vec::<TicketId, TOLD>::new();
+        let mut changed = heapless::Vec::<Changed, TOLD>::new();
         let found = self.ledger.with(|ledger| {
             let now = ledger.clock.now();
             self.look_for_bars(ledger, now);
@@ -82,13 +82,13 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
             ledger.books.steps(events, &mut ledger.actions);
             self.carry_out(ledger, now);
             while !changed.is_full() {
-                let Some(ticket) = ledger.changed.pop() else { break };
-                let _ = changed.push(ticket);
+                let Some(change) = ledger.changed.pop() else { break };
+                let _ = changed.push(change);
             }
             if ledger.changed.is_empty() { self.find(ledger, now) } else { Found::Changed }
         });
-        for ticket in changed {
-            self.notify.ticket_changed(ticket);
+        for change in changed {
+            change.tell(&self.notify);
         }
         found.unwrap_or(Found::Due(None))
     }

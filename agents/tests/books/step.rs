@@ -2,7 +2,7 @@
 
 use std::sync::atomic::Ordering::Relaxed;
 
-use faregate_agents::{Ask, Event};
+use faregate_agents::{Ask, Categories, Event, Redeclared};
 use faregate_tickets::amount::{Microjoules, Milliwatts};
 use faregate_tickets::clock::Duration;
 use faregate_tickets::device::{Estimate, Power};
@@ -10,7 +10,7 @@ use faregate_tickets::id::GateId;
 use faregate_tickets::validity::{Function, Validity};
 
 use super::lamp::Switch;
-use super::world::{Granted, World};
+use super::world::{Declared, Granted, World};
 
 /// A history, printed with one happening on a line.
 #[derive(Clone)]
@@ -100,6 +100,13 @@ pub(crate) enum Step {
     /// Something else turns the device on.
     Unbidden {
         gate: u8,
+    },
+    /// Another draw, other categories, and a longer time to settle.
+    Redeclare {
+        gate: u8,
+        draw: u64,
+        categories: u8,
+        longer_ms: u64,
     },
     Look,
     Work {
@@ -261,8 +268,34 @@ impl World<'_> {
                     truth.unbidden.store(true, Relaxed);
                 }
             }
+            Step::Redeclare { gate, draw, categories, longer_ms } => {
+                self.redeclare(self.gate(gate), draw, categories, longer_ms);
+            }
             ref other => self.apply_to_work(other),
         }
+    }
+
+    fn redeclare(&mut self, gate: GateId, draw: u64, categories: u8, longer_ms: u64) {
+        let number = usize::from(gate.0);
+        let old = self.declared(number);
+        // The lamp itself settles as it always did: to declare less would lie.
+        let settles_ms = self.ground.setup.devices[number].settling_ms;
+        let new = Declared { draw, categories, settling_ms: settles_ms + longer_ms, ..old };
+        let declared = Redeclared {
+            draw: Milliwatts::new(draw),
+            categories: Categories::from_mask(categories.into()),
+            settling: new.profile().settling,
+            estimate_lag: new.profile().estimate_lag,
+        };
+        let before = self.books.clone();
+        let done = self.books.redeclare(gate, &declared);
+        let named = self.grants.values().find(|grant| grant.gates().any(|it| it == number));
+        match (done, named) {
+            (Ok(()), None) => self.declared[number] = new,
+            (Ok(()), Some(grant)) => panic!("{gate} was declared anew under {}", grant.id),
+            (Err(_), _) => assert_eq!(self.books, before, "nothing changes when it is refused"),
+        }
+        self.check_charges();
     }
 
     fn apply_to_work(&mut self, step: &Step) {

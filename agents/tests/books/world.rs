@@ -159,6 +159,8 @@ pub(crate) struct World<'w> {
     pub(crate) books: TestBooks,
     pub(crate) noticed: Vec<Seen>,
     pub(crate) grants: BTreeMap<usize, Granted<'w>>,
+    /// What is declared of each device now.
+    pub(crate) declared: Vec<Declared>,
     pub(crate) arrivals: u64,
     pub(crate) supply: Vec<u64>,
     /// By our own account: nobody can free these.
@@ -208,6 +210,7 @@ impl<'w> World<'w> {
             books,
             noticed: Vec::new(),
             grants: BTreeMap::new(),
+            declared: ground.setup.devices.clone(),
             arrivals: 0,
             supply: supply.collect(),
             stuck: vec![false; GATES],
@@ -235,8 +238,8 @@ impl<'w> World<'w> {
         (0..self.ground.truths.len()).map(|gate| GateId(u8::try_from(gate).unwrap()))
     }
 
-    pub(crate) fn declared(&self, gate: usize) -> &'w Declared {
-        &self.ground.setup.devices[gate]
+    pub(crate) fn declared(&self, gate: usize) -> Declared {
+        self.declared[gate]
     }
 
     pub(crate) fn rules(&self, agent: usize) -> &'w Rules {
