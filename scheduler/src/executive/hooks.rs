@@ -88,8 +88,18 @@ pub trait PortFactory: Send {
     fn tell(&mut self, attempt: Attempt, notice: PortNotice);
 
     /// The attempt is over: from now on nothing that comes through its port
-    /// has an effect, whoever has the other end.
+    /// has an effect, whoever has the other end. No command begins any more;
+    /// one may be in progress.
     fn close(&mut self, attempt: Attempt);
+
+    /// Whether no command of the attempt is in progress. The end of an attempt
+    /// is told when this is so after [`close`](Self::close): the next attempt
+    /// has the same tickets, and a command that began for this one must not be
+    /// issued under them. The manager's thread is woken when it becomes so.
+    fn is_quiet(&self, attempt: Attempt) -> bool {
+        let _ = attempt;
+        true
+    }
 }
 
 /// What a process is told through its port.
