@@ -1,10 +1,12 @@
 //! A whole broker: requests, service, estimates, supervision.
 
-use faregate_agents::{Broker, Handle, Policy};
+use std::convert::Infallible;
+
+use faregate_agents::{Broker, Categories, Handle, Policy, Redeclared};
 use faregate_tickets::Gate;
 use faregate_tickets::amount::{Microjoules, Milliwatts};
 use faregate_tickets::clock::{Clock, Duration};
-use faregate_tickets::device::{Estimate, Power};
+use faregate_tickets::device::{Declaration, Device, Estimate, Power, Profile};
 use faregate_tickets::id::{HolderId, Priority};
 use faregate_tickets::notify::NoNotify;
 use faregate_tickets::validity::{Function, Validity};
@@ -13,8 +15,37 @@ use crate::bench::{Hands, Lamp, Switch, TICK, Truth, drawing, leak, margin, watt
 use crate::meter::Meter;
 use crate::{Bounded, Silent};
 
-type SilentBroker = Broker<'static, Silent, NoNotify, 4, 8, 2>;
+type SilentBroker = Broker<'static, Silent, NoNotify, 5, 8, 2>;
 type SilentLamp = Handle<'static, Lamp, Silent>;
+
+/// A device without commands.
+struct Place;
+
+impl Device for Place {
+    type Command = Infallible;
+    type Response = ();
+    type Fault = ();
+
+    fn profile(&self) -> Profile {
+        Profile::new()
+    }
+    fn declare(command: &Infallible) -> Declaration {
+        match *command {}
+    }
+    fn issue(&mut self, command: Infallible) -> Result<(), ()> {
+        match command {}
+    }
+    fn safe(&mut self) -> Result<(), ()> {
+        Ok(())
+    }
+}
+
+const NOTHING: Redeclared = Redeclared {
+    draw: Milliwatts::ZERO,
+    categories: Categories::NONE,
+    settling: Duration::ZERO,
+    estimate_lag: Duration::ZERO,
+};
 
 const ENERGY: Microjoules = Microjoules::from_joules(3);
 
@@ -40,7 +71,12 @@ pub(crate) fn measure() {
             broker.register(agent, gate.key()).unwrap()
         })
     });
+    let gate: &'static mut Gate<'static, Place, Silent> =
+        leak(Gate::new(Place, clock, Bounded::new()));
+    let place = broker.register(other, gate.key()).unwrap();
     let broker = &broker;
+    clock.advance(TICK);
+    broker.observe(place.gate(), Estimate { state: Power::Off, measured_at: clock.now() });
 
     // Time passes, the sensors measure, and service does what is due.
     let pass = |meter: &mut Meter, time: Duration| {
@@ -139,15 +175,16 @@ pub(crate) fn measure() {
         assert!(low.check().is_err() && more.check().is_err(), "the lease is over");
         drop((low, more));
     });
+    meter.op(&["redeclare::redeclare"], || broker.redeclare(&place, &NOTHING).unwrap());
     meter.op(&["supervise::set_supply"], || {
         broker.set_supply(&supervisor, agent, watts(15)).unwrap();
         broker.set_supply(&supervisor, agent, Milliwatts::from_watts(16)).unwrap();
     });
     pass(meter, TICK);
     assert_eq!(broker.free_seats(), Some(8), "it did all that");
-    let ours = ["broker.rs", "broker/asks.rs", "broker/service.rs", "broker/supervise.rs"];
+    let ours = ["", "/asks", "/redeclare", "/service", "/supervise"];
     meter.assert_complete(
-        &ours.map(|file| format!("agents/src/{file}")).each_ref().map(String::as_str),
+        &ours.map(|file| format!("agents/src/broker{file}.rs")).each_ref().map(String::as_str),
         &[],
     );
 }
