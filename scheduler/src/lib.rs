@@ -18,8 +18,10 @@
 //! | [`task`] | what a task is |
 //! | [`mission`] | devices, agents, margins, category names, modes |
 //! | [`manager`] | decides: events in, actions out |
+//! | [`analyze`](mod@analyze) | what will become of a schedule |
 //! | [`executive`] | carries out: the loop, and the ports it needs |
 
+pub mod analyze;
 pub mod executive;
 pub mod manager;
 pub mod mission;

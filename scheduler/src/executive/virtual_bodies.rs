@@ -25,16 +25,12 @@ impl Conduct {
     }
 }
 
-/// How long a task is expected to run: its duration, or where none is stated,
-/// until the last command of a sequence; else no time at all.
+/// How long a task is expected to run: its duration, and a sequence at least
+/// until its last command. No time at all, where nothing is stated.
 #[must_use]
 pub fn expected(task: &Task) -> Duration {
-    match &task.body {
-        Body::Sequence(steps) if task.duration.is_zero() => {
-            steps.iter().map(|step| step.offset).max().unwrap_or(Duration::ZERO)
-        }
-        _ => task.duration,
-    }
+    let Body::Sequence(steps) = &task.body else { return task.duration };
+    steps.iter().map(|step| step.offset).fold(task.duration, Duration::max)
 }
 
 type Script = Box<dyn FnMut(Attempt, &Task) -> Conduct + Send>;

@@ -1,0 +1,256 @@
+//! Runs a schedule on the virtual executive, and writes down what happens.
+
+use std::collections::HashMap;
+
+use crate::analyze::track::Track;
+use crate::analyze::{Failed, Options, Surroundings};
+use crate::executive::{Conduct, LoadedFile, Outside, Stuck, VirtualBodies, VirtualExecutive};
+use crate::manager::{
+    Addition, Attempt, Event, HeldBy, Note, Reading, Reply, Telecommand, TelecommandId, WaitsFor,
+};
+use crate::mission::Mission;
+use crate::task::{Task, TaskId};
+use crate::time::{Duration, Instant, Now, UnixTime};
+
+/// Where routine tasks are, and nobody says how long to look.
+const A_DAY: Duration = Duration::from_secs(86_400);
+
+/// What happened.
+#[derive(Debug)]
+pub(super) struct Trace {
+    pub(super) tracks: Vec<Track>,
+    pub(super) waits: Vec<Wait>,
+    pub(super) horizon: Duration,
+    /// Whether more may happen after the horizon.
+    pub(super) cut: bool,
+    index: HashMap<TaskId, usize>,
+    /// At this instant time did not go on.
+    pub(super) stuck: Option<String>,
+}
+
+/// A task waited for another one, or for draw.
+#[derive(Clone, Debug)]
+pub(super) struct Wait {
+    pub(super) task: TaskId,
+    pub(super) at: Duration,
+    pub(super) waits_for: WaitsFor,
+}
+
+/// Writes down what the manager tells.
+struct Recorder<'a> {
+    tracks: Vec<Track>,
+    index: HashMap<TaskId, usize>,
+    /// Tasks that were given to the manager, until it accepts them.
+    given: HashMap<TaskId, Task>,
+    waits: Vec<Wait>,
+    refused: Option<String>,
+    surroundings: &'a mut dyn Surroundings,
+}
+
+/// Runs the tasks until the horizon, or until nothing happens any more.
+pub(super) fn trace(
+    tasks: &[Task],
+    mission: &Mission,
+    options: &Options,
+    script: impl FnMut(Attempt, &Task) -> Conduct + Send + 'static,
+    surroundings: &mut dyn Surroundings,
+) -> Result<Trace, Failed> {
+    let recorder = Recorder::new(tasks, surroundings);
+    let bodies = VirtualBodies::new(script);
+    let mut executive = VirtualExecutive::new(mission.clone(), options.at, bodies, recorder);
+    if mission.battery.is_some() {
+        executive.tell(Event::Reading(Reading::Battery(Some(100))));
+    }
+    let additions = tasks.iter().map(|task| Addition { task: task.clone() }).collect();
+    let telecommand = Telecommand::Add(additions);
+    executive.tell(Event::Telecommand { id: TelecommandId(0), telecommand });
+    let limit = options.horizon.or_else(|| tasks.iter().any(is_routine).then_some(A_DAY));
+    let ran = run(&mut executive, limit);
+    let reached = executive.now().elapsed.since(Instant::START);
+    executive.into_outside().finish(limit, reached, ran)
+}
+
+fn is_routine(task: &Task) -> bool {
+    task.interval.is_some()
+}
+
+fn run(
+    executive: &mut VirtualExecutive<Recorder<'_>>,
+    limit: Option<Duration>,
+) -> Result<(), Stuck> {
+    executive.advance_to(Instant::START)?;
+    let until = limit.map_or(Instant::FAR_FUTURE, |limit| Instant::START.after(limit));
+    while let Some(due) = executive.next_due().filter(|due| *due <= until) {
+        executive.advance_to(due)?;
+    }
+    Ok(())
+}
+
+impl<'a> Recorder<'a> {
+    fn new(tasks: &[Task], surroundings: &'a mut dyn Surroundings) -> Self {
+        Self {
+            tracks: Vec::with_capacity(tasks.len()),
+            index: HashMap::with_capacity(tasks.len()),
+            given: tasks.iter().map(|task| (task.id, task.clone())).collect(),
+            waits: Vec::new(),
+            refused: None,
+            surroundings,
+        }
+    }
+
+    fn track(&mut self, task: TaskId) -> Option<&mut Track> {
+        self.index.get(&task).and_then(|index| self.tracks.get_mut(*index))
+    }
+
+    /// A task that comes again under its number goes on in the same track.
+    fn accepted(&mut self, id: TaskId, now: Duration, wall: UnixTime) {
+        let Some(task) = self.given.remove(&id) else { return };
+        let track = Track::new(task, now, wall);
+        if let Some(known) = self.track(id) {
+            return known.goes_on_as(track);
+        }
+        self.index.insert(id, self.tracks.len());
+        self.tracks.push(track);
+    }
+
+    fn waits(&mut self, task: TaskId, waits_for: &WaitsFor, at: Duration) {
+        if let Some(track) = self.track(task) {
+            track.waits(waits_for, at);
+        }
+        let notable = matches!(
+            waits_for,
+            WaitsFor::Dependency(_)
+                | WaitsFor::Draw { .. }
+                | WaitsFor::Categories { by: HeldBy::Task(_), .. }
+                | WaitsFor::Gate { by: HeldBy::Task(_), .. }
+        );
+        if notable {
+            self.waits.push(Wait { task, at, waits_for: waits_for.clone() });
+        }
+    }
+
+    fn attempt(&mut self, attempt: Attempt, note: impl FnOnce(&mut Track)) {
+        if let Some(track) = self.track(attempt.occurrence.task) {
+            note(track);
+        }
+    }
+
+    fn finish(
+        mut self,
+        limit: Option<Duration>,
+        reached: Duration,
+        ran: Result<(), Stuck>,
+    ) -> Result<Trace, Failed> {
+        if let Some(why) = self.refused.take() {
+            return Err(Failed(why));
+        }
+        let Self { tracks, waits, index, .. } = self;
+        let stuck = ran.err().map(|stuck| stuck.to_string());
+        let cut = limit.is_some();
+        let mut trace = Trace { tracks, waits, horizon: reached, cut, index, stuck };
+        if trace.stuck.is_none() {
+            trace.horizon = limit.or(trace.makespan()).unwrap_or(reached);
+        }
+        for track in &mut trace.tracks {
+            track.stop_at(trace.horizon, cut);
+        }
+        Ok(trace)
+    }
+}
+
+impl Trace {
+    pub(super) fn track(&self, task: TaskId) -> Option<&Track> {
+        self.index.get(&task).and_then(|index| self.tracks.get(*index))
+    }
+
+    /// The end of the last run that is not a routine task's.
+    pub(super) fn makespan(&self) -> Option<Duration> {
+        let once = self.tracks.iter().filter(|track| !is_routine(&track.task));
+        once.flat_map(|track| track.runs.iter().filter_map(|run| run.end)).max()
+    }
+
+    /// Finds a reason for waits of which nothing was told: the manager tells of
+    /// the most important ones only. Somebody who had the same left off at the
+    /// instant at which the wait was over.
+    pub(super) fn explain(&mut self) {
+        let mut left_off: HashMap<Duration, Vec<usize>> = HashMap::new();
+        for (index, track) in self.tracks.iter().enumerate() {
+            let segments = track.runs.iter().flat_map(|run| &run.segments);
+            for (_, until) in segments {
+                left_off.entry(until.saturating_add(track.task.gap)).or_default().push(index);
+            }
+        }
+        for index in 0..self.tracks.len() {
+            let reason = self.explanation(index, &left_off);
+            if let Some((track, reason)) = self.tracks.get_mut(index).zip(reason) {
+                track.reasons.push(reason);
+            }
+        }
+    }
+
+    fn explanation(
+        &self,
+        index: usize,
+        left_off: &HashMap<Duration, Vec<usize>>,
+    ) -> Option<(String, Duration)> {
+        let track = self.tracks.get(index).filter(|track| track.reasons.is_empty())?;
+        let (from, until) =
+            track.waits.iter().max_by_key(|(from, until)| until.saturating_sub(*from))?;
+        let mut others = left_off.get(until)?.iter().filter_map(|other| self.tracks.get(*other));
+        let other = others.find(|other| {
+            other.task.id != track.task.id && other.task.categories.overlaps(track.task.categories)
+        })?;
+        let shared = other.task.categories.shared(track.task.categories);
+        let by = HeldBy::Task(other.task.id);
+        let reason = format!("waited for {}", WaitsFor::Categories { shared, by });
+        Some((reason, until.saturating_sub(*from)))
+    }
+}
+
+impl Outside for Recorder<'_> {
+    fn note(&mut self, now: Now, note: &Note) {
+        let at = now.elapsed.since(Instant::START);
+        match note {
+            Note::Accepted(task) => self.accepted(*task, at, now.wall),
+            Note::Waits { occurrence, waits_for } => self.waits(occurrence.task, waits_for, at),
+            Note::Started(attempt) => self.attempt(*attempt, |track| track.started(*attempt, at)),
+            Note::Paused(attempt) => self.attempt(*attempt, |track| track.paused(at)),
+            Note::Resumed(attempt) => self.attempt(*attempt, |track| track.resumed(at)),
+            Note::Preempted(attempt) => self.attempt(*attempt, |track| track.over(None, at)),
+            Note::Over { attempt, outcome, .. } => {
+                self.attempt(*attempt, |track| track.over(Some(*outcome), at));
+            }
+            Note::Ended { occurrence, .. } => {
+                if let Some(track) = self.track(occurrence.task) {
+                    track.ended();
+                }
+            }
+            Note::Missed { task, first, last, why, .. } => {
+                if let Some(track) = self.track(*task) {
+                    track.missed(*first, *last, why, at);
+                }
+            }
+            Note::NeverRuns { task, why } => {
+                if let Some(track) = self.track(*task) {
+                    track.never.get_or_insert((at, why.clone()));
+                }
+            }
+            Note::Overran { attempt, .. } => self.attempt(*attempt, |track| track.overran(at)),
+            Note::Removed(_) | Note::Stopping { .. } | Note::Runaway(_) | Note::Mode { .. } => {}
+        }
+    }
+
+    fn answer(&mut self, _: Now, _: TelecommandId, reply: Reply) {
+        if let Reply::Refused(why) = reply {
+            self.refused = Some(why);
+        }
+    }
+
+    fn load(&mut self, _: Attempt, path: &str) -> Option<LoadedFile> {
+        let file = self.surroundings.load(path);
+        if let Ok(tasks) = &file {
+            self.given.extend(tasks.iter().map(|task| (task.id, task.clone())));
+        }
+        Some(file)
+    }
+}
