@@ -4,11 +4,38 @@
 //! one instant is one call of [`Manager::step`], which takes one decision.
 
 mod action;
+mod admit;
+mod arm;
+mod attempt;
+mod build_in;
+mod classes;
+mod decide;
+mod demand;
+mod depend;
+mod entry;
 mod event;
+mod hand_over;
+mod ledger;
+pub mod limits;
+mod mode;
 mod needs;
 mod note;
+mod occurrence;
+mod point;
+mod rank;
+mod reading;
 mod record;
+mod restore;
 mod restored;
+mod routine;
+mod status;
+mod step;
+mod telecommand;
+mod tickets;
+mod timers;
+mod times;
+mod treap;
+mod walk;
 mod words;
 
 pub use action::{Action, Stop, StopWhy};
@@ -18,14 +45,57 @@ pub use note::{HeldBy, Note, WaitsFor};
 pub use record::{Attempt, Occurrence, Record};
 pub use restored::{Restored, RestoredTask};
 
+use std::collections::{BTreeMap, HashMap};
+
+use crate::manager::classes::Classes;
+use crate::manager::entry::Entry;
+use crate::manager::ledger::{Installed, Ledger};
+use crate::manager::mode::Modes;
+use crate::manager::point::{Micros, Present};
+use crate::manager::reading::Measured;
+use crate::manager::step::Step;
+use crate::manager::timers::Timers;
 use crate::mission::Mission;
-use crate::task::{Task, TaskId};
+use crate::task::{Outcome, TaskId};
 use crate::time::{Due, Now};
 
 /// Decides which tasks run, and remembers what became of them.
 #[derive(Clone, Debug)]
 pub struct Manager {
     mission: Mission,
+    installed: Installed,
+    entries: Vec<Option<Entry>>,
+    free: Vec<u32>,
+    by_id: HashMap<TaskId, u32>,
+    /// The schedule's order: by position.
+    order: BTreeMap<u64, u32>,
+    next_position: u64,
+    /// How many tasks of each id there were.
+    loads: HashMap<TaskId, u32>,
+    /// Who waits for an outcome of this task, and which of its dependencies
+    /// that is.
+    dependants: HashMap<TaskId, Vec<(u32, usize)>>,
+    classes: Classes,
+    timers: Timers,
+    /// Who was asked for at the agents, or has a body.
+    live: Vec<u32>,
+    gaps: Vec<Gap>,
+    modes: Modes,
+    measured: Measured,
+    armed: Vec<u32>,
+    /// Tasks that are not over; those that only clean up are not among them.
+    open: usize,
+    shutting_down: bool,
+    /// When the last step was.
+    last: Present,
+}
+
+/// Categories that an ended task keeps for a while.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Gap {
+    until: Micros,
+    categories: u128,
+    task: TaskId,
 }
 
 /// What somebody who asks is told of a task.
@@ -51,14 +121,34 @@ pub enum State {
     /// An attempt stands still.
     Paused(Attempt, WaitsFor),
     /// It is over, and was the last one.
-    Ended(crate::task::Outcome),
+    Ended(Outcome),
 }
 
 impl Manager {
     /// A manager without tasks.
     #[must_use]
     pub fn new(mission: Mission) -> Self {
-        Self { mission }
+        Self {
+            installed: Installed::of(&mission),
+            mission,
+            entries: Vec::new(),
+            free: Vec::new(),
+            by_id: HashMap::new(),
+            order: BTreeMap::new(),
+            next_position: 0,
+            loads: HashMap::new(),
+            dependants: HashMap::new(),
+            classes: Classes::default(),
+            timers: Timers::default(),
+            live: Vec::new(),
+            gaps: Vec::new(),
+            modes: Modes::default(),
+            measured: Measured::default(),
+            armed: Vec::new(),
+            open: 0,
+            shutting_down: false,
+            last: Present::default(),
+        }
     }
 
     /// Goes on where a journal ends. What was interrupted counts as failed:
@@ -71,52 +161,36 @@ impl Manager {
         now: Now,
         actions: &mut Vec<Action>,
     ) -> Self {
-        let _ = (restored, now, actions);
-        Self { mission }
+        let mut manager = Self::new(mission);
+        Step::new(&mut manager, now, actions).restore(restored);
+        manager
     }
 
     /// Applies everything that happened at this instant, in the order: exits,
     /// what becomes due, tickets and telecommands. Then takes one decision.
+    ///
+    /// # Timing
+    /// Logarithmic in the number of tasks, for each task that the events name;
+    /// linear in the kinds of tasks that wait (those that need the same are of
+    /// one kind) and in those that run. Becoming due costs a task nothing.
     pub fn step(&mut self, now: Now, events: Vec<Event>, actions: &mut Vec<Action>) {
-        let _ = (now, events, actions, &self.mission);
+        Step::new(self, now, actions).apply(events);
     }
 
-    /// When to call again, if nothing happens before.
-    #[must_use]
-    pub fn next_due(&self) -> Due {
-        Due::default()
+    fn entry(&self, index: u32) -> Option<&Entry> {
+        self.entries.get(usize::try_from(index).ok()?)?.as_ref()
     }
 
-    /// The task, if it is in the schedule.
-    #[must_use]
-    pub fn task(&self, id: TaskId) -> Option<&Task> {
-        let _ = id;
-        None
+    fn entry_mut(&mut self, index: u32) -> Option<&mut Entry> {
+        self.entries.get_mut(usize::try_from(index).ok()?)?.as_mut()
     }
 
-    /// What the tickets of an occurrence that lives are for.
-    #[must_use]
-    pub fn needs(&self, occurrence: Occurrence) -> Option<Needs> {
-        let _ = occurrence;
-        None
+    fn named(&self, occurrence: Occurrence) -> Option<u32> {
+        let index = *self.by_id.get(&occurrence.task)?;
+        (self.entry(index)?.occurrence() == occurrence).then_some(index)
     }
 
-    /// Every task of the schedule, in its order.
-    pub fn status(&self) -> impl Iterator<Item = TaskStatus> {
-        core::iter::empty()
-    }
-
-    /// What the occurrence waits for, if it waits.
-    #[must_use]
-    pub fn waits_for(&self, occurrence: Occurrence) -> Option<WaitsFor> {
-        let _ = occurrence;
-        None
-    }
-
-    /// Whether no task lives or will become due: a schedule without routine
-    /// tasks is over.
-    #[must_use]
-    pub fn is_over(&self) -> bool {
-        true
+    fn ledger(&self) -> Ledger {
+        Ledger::new(&self.installed)
     }
 }

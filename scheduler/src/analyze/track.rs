@@ -92,9 +92,8 @@ impl Track {
         occurrence: u64,
     ) -> impl Iterator<Item = (Duration, Option<Duration>)> {
         self.task.windows.iter().map(move |window| {
-            let place = |when| {
-                phase::offset(when, self.wall).map(|at| self.shifted(at, occurrence))
-            };
+            let place =
+                |when| phase::offset(when, self.wall).map(|at| self.shifted(at, occurrence));
             (place(window.opens).unwrap_or_else(|| self.due(occurrence)), place(window.closes))
         })
     }

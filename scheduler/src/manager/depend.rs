@@ -1,0 +1,174 @@
+//! Dependencies on what became of other tasks, and tasks that clean up.
+
+use crate::manager::entry::{Place, Run};
+use crate::manager::point::Point;
+use crate::manager::step::Step;
+use crate::manager::{Note, Record};
+use crate::task::{Outcome, TaskId};
+
+impl Step<'_> {
+    /// Who waits for this outcome. After the last one of a task, whoever waited
+    /// for another one can never run.
+    pub(crate) fn settle_dependants(&mut self, index: u32, outcome: Outcome, last: bool) {
+        let Some(id) = self.entry(index).map(|entry| entry.task.id) else { return };
+        let Some(dependants) = self.manager.dependants.get(&id) else { return };
+        for (dependant, number) in dependants.clone() {
+            self.settle(dependant, number, outcome, last);
+        }
+    }
+
+    fn settle(&mut self, index: u32, number: usize, outcome: Outcome, last: bool) {
+        let Some(entry) = self.entry_mut(index).filter(|entry| entry.place != Place::Over) else {
+            return;
+        };
+        let Some(dependency) = entry.task.after.get(number).copied() else { return };
+        let Some(satisfied) = entry.satisfied.get_mut(number) else { return };
+        if dependency.status.includes(outcome) {
+            let was_ready = core::mem::replace(satisfied, true);
+            let waits = entry.place == Place::Away && !entry.run.has_body();
+            if !was_ready && waits && entry.is_ready() && self.is_begun(index) {
+                self.enter(index);
+            }
+        } else if last && !*satisfied && !entry.has_started() {
+            let why = format!("{} has ended otherwise", dependency.task);
+            self.never_runs(index, why);
+        }
+    }
+
+    /// A task that cleans up has an occurrence only when it was started.
+    fn is_begun(&self, index: u32) -> bool {
+        self.entry(index).is_some_and(|entry| !entry.is_resting())
+    }
+
+    /// Outcomes of routine tasks satisfy each dependant once.
+    pub(crate) fn spend_dependencies(&mut self, index: u32) {
+        let Some(entry) = self.entry(index) else { return };
+        let again: Vec<bool> =
+            entry.task.after.iter().map(|after| self.is_lasting(after.task)).collect();
+        if let Some(entry) = self.entry_mut(index) {
+            for (satisfied, lasting) in entry.satisfied.iter_mut().zip(again) {
+                *satisfied &= lasting;
+            }
+        }
+    }
+
+    /// Whether the outcome of a task is its only one.
+    fn is_lasting(&self, id: TaskId) -> bool {
+        let entry = self.manager.by_id.get(&id).and_then(|index| self.entry(*index));
+        entry.is_none_or(|entry| !entry.is_routine() && !entry.cleans_up)
+    }
+
+    /// The task can never run: it is reported, and taken out of the schedule.
+    pub(crate) fn never_runs(&mut self, index: u32, why: String) {
+        let Some(task) = self.entry(index).map(|entry| entry.task.id) else { return };
+        self.note(Note::NeverRuns { task, why });
+        self.take_out(index);
+    }
+
+    /// Takes a task out of the schedule, and with it those that wait for an
+    /// outcome that it will not have.
+    pub(crate) fn take_out(&mut self, index: u32) {
+        self.tell_missed(index);
+        self.unseat(index);
+        let Some(entry) = self.entry(index) else { return };
+        let (id, load, position, class) = (entry.task.id, entry.load, entry.position, entry.class);
+        let counts = entry.place != Place::Over && !entry.cleans_up;
+        let dependencies: Vec<TaskId> = entry.task.after.iter().map(|after| after.task).collect();
+        self.write(Record::Removed { task: id, load });
+        for kind in crate::manager::timers::EVERY {
+            self.set_timer(index, kind, None);
+        }
+        for prior in dependencies {
+            if let Some(dependants) = self.manager.dependants.get_mut(&prior) {
+                dependants.retain(|(dependant, _)| *dependant != index);
+            }
+        }
+        self.manager.classes.leave(class);
+        self.manager.order.remove(&position);
+        self.manager.by_id.remove(&id);
+        self.manager.armed.retain(|armed| *armed != index);
+        if counts {
+            self.manager.open = self.manager.open.saturating_sub(1);
+        }
+        let ended = self.entry(index).is_some_and(|entry| entry.place == Place::Over);
+        if let Some(place) =
+            usize::try_from(index).ok().and_then(|index| self.manager.entries.get_mut(index))
+        {
+            *place = None;
+            self.manager.free.push(index);
+        }
+        if !ended {
+            self.leave_alone(id);
+        }
+    }
+
+    /// Who waits for an outcome of a task that is gone.
+    fn leave_alone(&mut self, id: TaskId) {
+        for (dependant, number) in self.manager.dependants.remove(&id).unwrap_or_default() {
+            let Some(entry) = self.entry(dependant) else { continue };
+            let satisfied = entry.satisfied.get(number).copied().unwrap_or(false);
+            if entry.place != Place::Over && !satisfied && !entry.has_started() {
+                self.never_runs(dependant, format!("{id} was taken out of the schedule"));
+            }
+        }
+    }
+
+    /// An occurrence has failed or was aborted: the task that cleans up after
+    /// it is due.
+    pub(crate) fn clean_up(&mut self, index: u32) {
+        let cleanup = self.entry(index).and_then(|entry| entry.task.cleanup);
+        let Some(index) = cleanup.and_then(|id| self.manager.by_id.get(&id).copied()) else {
+            return;
+        };
+        let now = self.now;
+        let Some(entry) = self.entry_mut(index).filter(|entry| entry.cleans_up) else { return };
+        if !entry.is_resting() {
+            entry.next = entry.current.saturating_add(2);
+            return;
+        }
+        entry.next = entry.current.saturating_add(1);
+        entry.attempts = 0;
+        entry.failures = 0;
+        entry.arrival = now.elapsed;
+        entry.due = Point::elapsed(now.elapsed);
+        entry.run = Run::new();
+        entry.told = None;
+        if entry.is_ready() {
+            self.enter(index);
+        }
+    }
+
+    /// A task that cleans up has done so, and waits for the next time; that may
+    /// have come meanwhile.
+    pub(crate) fn rest(&mut self, index: u32) {
+        let Some(entry) = self.entry_mut(index) else { return };
+        let wanted = entry.next > entry.current.saturating_add(1);
+        entry.current = entry.current.saturating_add(1);
+        entry.next = entry.current;
+        if wanted {
+            self.restart_cleaning(index);
+        }
+    }
+
+    fn restart_cleaning(&mut self, index: u32) {
+        let now = self.now;
+        let Some(entry) = self.entry_mut(index) else { return };
+        entry.next = entry.current.saturating_add(1);
+        entry.attempts = 0;
+        entry.failures = 0;
+        entry.arrival = now.elapsed;
+        entry.due = Point::elapsed(now.elapsed);
+        entry.told = None;
+        if entry.is_ready() {
+            self.enter(index);
+        }
+    }
+}
+
+impl super::entry::Entry {
+    /// A task that cleans up and has nothing to clean up: its next occurrence
+    /// has not begun.
+    pub(crate) const fn is_resting(&self) -> bool {
+        self.cleans_up && self.next == self.current
+    }
+}

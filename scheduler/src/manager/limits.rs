@@ -1,0 +1,29 @@
+//! Capacities and allowances of the manager, in one place.
+
+use crate::time::Duration;
+
+/// The most occurrences that hold tickets, or wait for them at the agents, at
+/// a time. Each of them has a gate of its own at the broker.
+pub const SLOTS: usize = 40;
+
+/// The most devices of a mission: they are kept in the bits of one word.
+pub const MAX_DEVICES: usize = 128;
+
+/// The most occurrences that are armed at a time: those that can start at one
+/// instant, and some.
+pub const MOST_ARMED: usize = 64;
+
+/// How far ahead an instant must lie to be prepared for. A sync takes less.
+pub const ARMED_AHEAD: Duration = Duration::from_millis(50);
+
+/// How late a host may be before it counts. A task whose window is one instant
+/// starts although the manager was woken this late, and a process may run so
+/// much longer than it was expected to before that is an overrun: to start and
+/// to end one takes time.
+pub const LATENESS: Duration = Duration::from_millis(100);
+
+/// How long a body that declares no grace has between being told to end and
+/// being killed.
+pub const GRACE: Duration = Duration::from_secs(2);
+
+const _: () = assert!(SLOTS <= MOST_ARMED, "everything that can start at an instant is armed");

@@ -1,0 +1,240 @@
+//! The life of an occurrence: it becomes the present one, waits, and is over.
+
+use crate::manager::entry::{Asked, Entry, Misses, Place, Run};
+use crate::manager::limits::LATENESS;
+use crate::manager::point::{Point, from_duration};
+use crate::manager::step::Step;
+use crate::manager::timers::Kind;
+use crate::manager::{Action, Gap, Note, Record};
+use crate::task::Outcome;
+
+pub(crate) const WINDOW: &str = "its window closed";
+pub(crate) const CUTOFF: &str = "its cutoff came before it could start";
+
+impl Step<'_> {
+    /// The occurrence of this number becomes the present one.
+    pub(crate) fn begin(&mut self, index: u32, number: u64) {
+        let Some(entry) = self.entry_mut(index) else { return };
+        entry.current = number;
+        entry.next = number.saturating_add(1);
+        entry.attempts = 0;
+        entry.failures = 0;
+        entry.told = None;
+        entry.run = Run::new();
+        entry.place = Place::Away;
+        let due = entry.due_of(number);
+        entry.arrival = entry.accepted.on_elapsed(due);
+        let next = entry.is_routine().then(|| entry.due_of(entry.next));
+        let cutoff = entry.cutoff_of(number);
+        self.set_timer(index, Kind::Next, next);
+        self.set_timer(index, Kind::Cutoff, cutoff);
+        self.seat(index, None);
+    }
+
+    /// The present occurrence, which has no body, waits for its time or for
+    /// what it needs; not before `earliest`.
+    pub(crate) fn seat(&mut self, index: u32, earliest: Option<Point>) {
+        let now = self.now;
+        let Some(entry) = self.entry_mut(index) else { return };
+        let Some(window) = entry.window(entry.current, now) else {
+            return self.missed(index, WINDOW);
+        };
+        entry.place = Place::Away;
+        entry.run = Run::new();
+        entry.due = earliest.unwrap_or(window.from);
+        let closed = window.until.map(|until| until.plus(1));
+        if entry.is_ready() {
+            self.enter(index);
+        }
+        self.set_timer(index, Kind::Closed, closed);
+    }
+
+    /// Into its class: nothing but time and what it needs keeps it from running.
+    pub(crate) fn enter(&mut self, index: u32) {
+        let Some(entry) = self.entry_mut(index) else { return };
+        entry.place = Place::Class;
+        let (class, due, rank) = (entry.class, entry.due, entry.rank());
+        self.manager.classes.insert(class, due, rank, index);
+    }
+
+    /// Out of wherever it is kept; its tickets are given back.
+    pub(crate) fn unseat(&mut self, index: u32) {
+        let Some(entry) = self.entry(index) else { return };
+        let (place, class, due, rank) = (entry.place, entry.class, entry.due, entry.rank());
+        match place {
+            Place::Class => self.manager.classes.remove(class, due, rank, index),
+            Place::Live => {
+                self.give_back(index);
+                self.manager.live.retain(|other| *other != index);
+            }
+            Place::Away | Place::Over => return,
+        }
+        if let Some(entry) = self.entry_mut(index) {
+            entry.place = Place::Away;
+        }
+    }
+
+    /// Relinquishes the request or the tickets, if there are any.
+    pub(crate) fn give_back(&mut self, index: u32) {
+        let Some(entry) = self.entry_mut(index) else { return };
+        let occurrence = entry.occurrence();
+        if core::mem::replace(&mut entry.run.asked, Asked::No) != Asked::No {
+            self.act(Action::Relinquish { occurrence });
+        }
+    }
+
+    /// Out of its class, to be asked for at the agents.
+    pub(crate) fn enlist(&mut self, index: u32) {
+        self.unseat(index);
+        if let Some(entry) = self.entry_mut(index) {
+            entry.place = Place::Live;
+            entry.run = Run::new();
+            self.manager.live.push(index);
+        }
+    }
+
+    /// The window of the present occurrence has closed. One that the manager
+    /// was woken too late for has its chance; of several windows the next one
+    /// counts.
+    pub(crate) fn closed(&mut self, index: u32) {
+        let Some(entry) = self.entry(index).filter(|entry| !entry.run.has_body()) else { return };
+        if self.just_opened(entry) {
+            return self.set_timer_in(index, Kind::Closed, from_duration(LATENESS));
+        }
+        let has_another = entry.window(entry.current, self.now).is_some();
+        self.unseat(index);
+        if has_another {
+            self.seat(index, None);
+        } else {
+            self.missed(index, WINDOW);
+        }
+    }
+
+    /// Whether the present occurrence became due since the last step, and its
+    /// window closed within what a host may be late.
+    fn just_opened(&self, entry: &Entry) -> bool {
+        let now = self.now;
+        let is_new = !self.manager.last.has_reached(entry.due) && now.has_reached(entry.due);
+        is_new && now.until(entry.due) >= -from_duration(LATENESS)
+    }
+
+    /// The latest end of the present occurrence has come.
+    pub(crate) fn cut_off(&mut self, index: u32) {
+        let Some(entry) = self.entry(index) else { return };
+        if entry.run.has_body() {
+            return self.abort(index, "its cutoff");
+        }
+        if entry.attempts > 0 {
+            return self.finish(index, Outcome::Aborted);
+        }
+        self.unseat(index);
+        self.missed(index, CUTOFF);
+    }
+
+    /// The present occurrence, which is kept nowhere, is lost.
+    pub(crate) fn missed(&mut self, index: u32, why: &'static str) {
+        let Some(entry) = self.entry(index) else { return };
+        let number = entry.current;
+        self.count_missed(index, number, number, why);
+        self.conclude(index, Outcome::Missed);
+    }
+
+    /// Counts occurrences that never ran; all of them are told of at once when
+    /// something else happens to the task.
+    pub(crate) fn count_missed(&mut self, index: u32, first: u64, last: u64, why: &'static str) {
+        let count = last.saturating_sub(first).saturating_add(1);
+        let goes_on = self
+            .entry(index)
+            .and_then(|entry| entry.misses.as_ref())
+            .is_some_and(|misses| misses.why == why && misses.last.saturating_add(1) == first);
+        if !goes_on {
+            self.tell_missed(index);
+        }
+        let Some(entry) = self.entry_mut(index) else { return };
+        let misses = entry.misses.get_or_insert(Misses { first, last, count: 0, why });
+        misses.last = last;
+        misses.count = misses.count.saturating_add(count);
+        let mut occurrence = entry.occurrence();
+        occurrence.number = last;
+        let wall = self.wall();
+        self.write(Record::Ended { occurrence, outcome: Outcome::Missed, wall });
+    }
+
+    /// Tells of a run of misses, which is over.
+    pub(crate) fn tell_missed(&mut self, index: u32) {
+        let Some(entry) = self.entry_mut(index) else { return };
+        let task = entry.task.id;
+        if let Some(Misses { first, last, count, why }) = entry.misses.take() {
+            self.note(Note::Missed { task, first, last, count, why: why.to_owned() });
+        }
+    }
+
+    /// The present occurrence is over: it ran.
+    pub(crate) fn finish(&mut self, index: u32, outcome: Outcome) {
+        let Some(entry) = self.entry(index) else { return };
+        let occurrence = entry.occurrence();
+        let wall = self.wall();
+        self.write(Record::Ended { occurrence, outcome, wall });
+        self.note(Note::Ended { occurrence, outcome });
+        self.unseat(index);
+        self.keep_gap(index);
+        if matches!(outcome, Outcome::Failed | Outcome::Aborted) {
+            self.clean_up(index);
+        }
+        self.conclude(index, outcome);
+    }
+
+    fn keep_gap(&mut self, index: u32) {
+        let Some(entry) = self.entry(index) else { return };
+        let (gap, categories, task) = (entry.task.gap, entry.task.categories.mask(), entry.task.id);
+        if !gap.is_zero() && categories != 0 && entry.attempts > 0 {
+            let until = self.now.elapsed.saturating_add(from_duration(gap));
+            self.manager.gaps.push(Gap { until, categories, task });
+        }
+    }
+
+    /// What comes after the present occurrence.
+    fn conclude(&mut self, index: u32, outcome: Outcome) {
+        let Some(entry) = self.entry_mut(index) else { return };
+        entry.last = Some(outcome);
+        entry.place = Place::Away;
+        entry.run = Run::new();
+        for kind in [Kind::Closed, Kind::Cutoff, Kind::Overrun, Kind::Silent] {
+            self.set_timer(index, kind, None);
+        }
+        let Some(entry) = self.entry(index) else { return };
+        let (routine, cleans_up, id) = (entry.is_routine(), entry.cleans_up, entry.task.id);
+        if entry.removed {
+            self.settle_dependants(index, outcome, true);
+            self.note(Note::Removed(id));
+            return self.take_out(index);
+        }
+        self.spend_dependencies(index);
+        if routine {
+            self.settle_dependants(index, outcome, false);
+            self.follow(index);
+        } else if cleans_up {
+            self.settle_dependants(index, outcome, false);
+            self.rest(index);
+        } else {
+            self.over(index);
+            self.settle_dependants(index, outcome, true);
+        }
+    }
+
+    /// No occurrence will come.
+    pub(crate) fn over(&mut self, index: u32) {
+        self.tell_missed(index);
+        if let Some(entry) = self.entry_mut(index) {
+            entry.place = Place::Over;
+            self.manager.open = self.manager.open.saturating_sub(1);
+        }
+    }
+}
+
+impl Entry {
+    /// Whether nothing but time and what it needs keeps it from running.
+    pub(crate) fn is_ready(&self) -> bool {
+        !self.held && self.satisfied.iter().all(|satisfied| *satisfied)
+    }
+}

@@ -1,0 +1,82 @@
+//! Routine tasks keep their phase, whatever becomes of their occurrences.
+
+use crate::manager::entry::Entry;
+use crate::manager::occurrence::WINDOW;
+use crate::manager::step::Step;
+use crate::manager::timers::Kind;
+
+pub(crate) const SUPERSEDED: &str = "superseded: still waiting when the next one was due";
+pub(crate) const STILL_RUNNING: &str = "the one before was still running";
+pub(crate) const PASSED: &str = "its time had passed";
+
+impl Step<'_> {
+    /// The occurrence after the present one is due. Of those that are due by
+    /// now only the last can run: after a jump of the clock, or a long stop,
+    /// the others are counted and not looked at.
+    pub(crate) fn next_is_due(&mut self, index: u32) {
+        let Some(entry) = self.entry(index) else { return };
+        let Some(last) = entry.last_due_by(self.now).filter(|last| *last >= entry.next) else {
+            let next = entry.due_of(entry.next);
+            return self.set_timer(index, Kind::Next, Some(next));
+        };
+        if entry.has_started() {
+            self.skip(index, last);
+        } else {
+            self.supersede(index, last);
+        }
+    }
+
+    /// The present one goes on; those up to this one are lost.
+    fn skip(&mut self, index: u32, last: u64) {
+        let Some(entry) = self.entry_mut(index) else { return };
+        let first = core::mem::replace(&mut entry.next, last.saturating_add(1));
+        let next = entry.due_of(entry.next);
+        self.set_timer(index, Kind::Next, Some(next));
+        self.count_missed(index, first, last, STILL_RUNNING);
+        self.settle_dependants(index, crate::task::Outcome::Missed, false);
+    }
+
+    /// The present one is lost, and those up to this one, which takes its place.
+    fn supersede(&mut self, index: u32, last: u64) {
+        let Some(entry) = self.entry(index) else { return };
+        let first = entry.current;
+        self.unseat(index);
+        self.count_missed(index, first, last.saturating_sub(1), SUPERSEDED);
+        self.settle_dependants(index, crate::task::Outcome::Missed, false);
+        self.begin(index, last);
+    }
+
+    /// After the end of an occurrence: the next one, or the last that is due
+    /// by now.
+    pub(crate) fn follow(&mut self, index: u32) {
+        let Some(entry) = self.entry(index) else { return };
+        let first = entry.next;
+        let present = entry.last_due_by(self.now).unwrap_or(0).max(first);
+        // One whose window has closed need not be looked at: seen from here it
+        // is lost with those before it.
+        let lost = entry.window(present, self.now).is_none();
+        let number = if lost { present.saturating_add(1) } else { present };
+        if number > first {
+            let why = if lost { WINDOW } else { PASSED };
+            self.count_missed(index, first, number.saturating_sub(1), why);
+        }
+        self.begin(index, number);
+    }
+}
+
+impl Entry {
+    /// Whether an attempt of the present occurrence has begun.
+    pub(crate) const fn has_started(&self) -> bool {
+        self.attempts > 0
+    }
+
+    /// The first occurrence of a task that is accepted now: the next one, or
+    /// the present one if its window is open.
+    pub(crate) fn first_number(&self, now: crate::manager::point::Present) -> u64 {
+        match self.last_due_by(now) {
+            None => 0,
+            Some(last) if self.window(last, now).is_some() => last,
+            Some(last) => last.saturating_add(1),
+        }
+    }
+}

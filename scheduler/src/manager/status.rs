@@ -1,0 +1,121 @@
+//! What somebody who asks is told.
+
+use crate::manager::entry::{Entry, Place, Stage};
+use crate::manager::point::{Clock, Point, to_instant, to_wall};
+use crate::manager::{HeldBy, Manager, Needs, Occurrence, State, TaskStatus, WaitsFor};
+use crate::task::{Outcome, Preemption, Task, TaskId, TaskPriority};
+use crate::time::{Due, Duration};
+
+impl Manager {
+    /// When to call again, if nothing happens before.
+    #[must_use]
+    pub fn next_due(&self) -> Due {
+        let gaps = self.gaps.iter().map(|gap| gap.until);
+        let by = |clock| {
+            let timer = self.timers.next_due(clock);
+            timer.into_iter().chain(self.classes.next_due(clock)).min()
+        };
+        Due {
+            elapsed: by(Clock::Elapsed).into_iter().chain(gaps).min().map(to_instant),
+            wall: by(Clock::Wall).map(to_wall),
+        }
+    }
+
+    /// The task, if it is in the schedule.
+    #[must_use]
+    pub fn task(&self, id: TaskId) -> Option<&Task> {
+        Some(&self.entry(*self.by_id.get(&id)?)?.task)
+    }
+
+    /// What the tickets of an occurrence that lives are for.
+    #[must_use]
+    pub fn needs(&self, occurrence: Occurrence) -> Option<Needs> {
+        let task = &self.entry(self.named(occurrence)?)?.task;
+        let (priority, grace) = match task.preemption {
+            Preemption::Wait => (TaskPriority::TOP, crate::manager::limits::GRACE),
+            Preemption::Pause => (task.priority, Duration::ZERO),
+            Preemption::Checkpoint { grace, .. } | Preemption::Kill { grace } => {
+                (task.priority, grace)
+            }
+        };
+        Some(Needs {
+            priority,
+            categories: task.categories,
+            draw: task.peak_draw,
+            gates: task.gates.clone(),
+            grace,
+        })
+    }
+
+    /// Every task of the schedule, in its order.
+    pub fn status(&self) -> impl Iterator<Item = TaskStatus> {
+        let entries = self.order.values().filter_map(|index| self.entry(*index));
+        entries.map(|entry| TaskStatus { occurrence: entry.occurrence(), state: self.state(entry) })
+    }
+
+    fn state(&self, entry: &Entry) -> State {
+        let attempt = entry.attempt();
+        match (&entry.run.stage, entry.place) {
+            (_, Place::Over) => State::Ended(entry.last.unwrap_or(Outcome::Missed)),
+            (Stage::Running, _) => State::Running(attempt),
+            (Stage::Stopping { .. } | Stage::Runaway(_), _) => State::Stopping(attempt),
+            (Stage::Paused, _) => State::Paused(attempt, self.reason(entry)),
+            (Stage::Idle, Place::Class | Place::Away) if !self.last.has_reached(entry.due) => {
+                State::Pending(due(entry.due))
+            }
+            (Stage::Idle, _) if entry.is_resting() => State::Pending(Due::default()),
+            (Stage::Idle, _) => State::Waiting(self.reason(entry)),
+        }
+    }
+
+    /// What the occurrence waits for, if it waits.
+    #[must_use]
+    pub fn waits_for(&self, occurrence: Occurrence) -> Option<WaitsFor> {
+        let entry = self.entry(self.named(occurrence)?)?;
+        match self.state(entry) {
+            State::Waiting(why) | State::Paused(_, why) => Some(why),
+            State::Pending(_) => Some(WaitsFor::Time),
+            State::Running(_) | State::Stopping(_) | State::Ended(_) => None,
+        }
+    }
+
+    fn reason(&self, entry: &Entry) -> WaitsFor {
+        if entry.held {
+            return WaitsFor::Held;
+        }
+        let unsatisfied = entry.satisfied.iter().position(|satisfied| !satisfied);
+        if let Some(after) = unsatisfied.and_then(|number| entry.task.after.get(number)) {
+            return WaitsFor::Dependency(after.task);
+        }
+        match (entry.place, &entry.told) {
+            (_, Some(told)) => told.clone(),
+            (Place::Live, None) => WaitsFor::HandOver,
+            (_, None) => self.reason_in_class(entry),
+        }
+    }
+
+    /// Who waits behind others of its class waits for what they wait for, or
+    /// for them.
+    fn reason_in_class(&self, entry: &Entry) -> WaitsFor {
+        let head = self.classes.head_of(entry.class).and_then(|head| self.entry(head));
+        let told = head.and_then(|head| head.told.clone());
+        told.unwrap_or(WaitsFor::Categories { shared: entry.task.categories, by: HeldBy::Unknown })
+    }
+
+    /// Whether no task lives or will become due: a schedule without routine
+    /// tasks is over.
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        if self.shutting_down {
+            return self.live.is_empty();
+        }
+        self.open == 0 && self.live.is_empty()
+    }
+}
+
+fn due(point: Point) -> Due {
+    match point.clock {
+        Clock::Elapsed => Due { elapsed: Some(to_instant(point.at)), wall: None },
+        Clock::Wall => Due { elapsed: None, wall: Some(to_wall(point.at)) },
+    }
+}

@@ -1,0 +1,65 @@
+//! When occurrences are due, and when their windows are open.
+
+use crate::manager::entry::Entry;
+use crate::manager::point::{Micros, Point, Present, from_duration};
+use crate::task::When;
+
+/// A window of one occurrence.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Open {
+    pub(crate) from: Point,
+    /// The last instant at which an attempt may start.
+    pub(crate) until: Option<Point>,
+}
+
+impl Entry {
+    /// Occurrence `number` is due: its first window opens. The phase is never
+    /// shifted.
+    pub(crate) fn due_of(&self, number: u64) -> Point {
+        let opens = self.task.windows.first().map(|window| window.opens).unwrap_or_default();
+        let shift = self.shift(number);
+        self.point(opens, shift).unwrap_or(Point::elapsed(self.accepted.elapsed).plus(shift))
+    }
+
+    /// The last occurrence that is due by now, if one is.
+    pub(crate) fn last_due_by(&self, now: Present) -> Option<u64> {
+        let since = now.until(self.due_of(0)).checked_neg()?;
+        let interval = from_duration(self.task.interval?).max(1);
+        u64::try_from(since.checked_div_euclid(interval)?).ok()
+    }
+
+    /// The first window of the occurrence that is open; if none is, the one
+    /// that opens next; if all have closed, none.
+    pub(crate) fn window(&self, number: u64, now: Present) -> Option<Open> {
+        let shift = self.shift(number);
+        let windows = self.task.windows.iter().map(|window| Open {
+            from: self.point(window.opens, shift).unwrap_or_else(|| self.due_of(number)),
+            until: self.point(window.closes, shift),
+        });
+        let has_closed = |window: &Open| window.until.is_some_and(|at| now.until(at) < 0);
+        windows
+            .filter(|window| !has_closed(window))
+            .min_by_key(|window| now.until(window.from).max(0))
+    }
+
+    /// The latest end of an occurrence.
+    pub(crate) fn cutoff_of(&self, number: u64) -> Option<Point> {
+        self.point(self.task.cutoff, self.shift(number))
+    }
+
+    fn shift(&self, number: u64) -> Micros {
+        let interval = self.task.interval.map_or(0, from_duration);
+        interval.saturating_mul(Micros::try_from(number).unwrap_or(Micros::MAX))
+    }
+
+    fn point(&self, when: When, shift: Micros) -> Option<Point> {
+        let point = match when {
+            When::Unrestricted => return None,
+            When::AfterLoad(after) => {
+                Point::elapsed(self.accepted.elapsed).plus(from_duration(after))
+            }
+            When::At(time) => Point::wall(time.as_micros()),
+        };
+        Some(point.plus(shift))
+    }
+}
