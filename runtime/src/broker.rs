@@ -26,7 +26,7 @@ use faregate_tickets::telemetry::Telemetry;
 use crate::clock::MonotonicClock;
 use crate::host::{Host, HostStrategy, Supported};
 use crate::lanes::{Draining, Recorder};
-use crate::waiters::{Waiters, Watcher};
+use crate::waiters::{TicketChange, Waiters, Watcher};
 
 /// The most gates of a [`Broker`].
 pub const GATES: usize = 64;
@@ -200,7 +200,10 @@ impl Builder {
     /// The function is called after all locks are released, by whoever did the
     /// step, a rescuer included: it must not block, and ring a bell at most.
     #[must_use]
-    pub fn watch(mut self, watcher: impl Fn(TicketId) + Send + Sync + 'static) -> Self {
+    pub fn watch(
+        mut self,
+        watcher: impl Fn(TicketId, TicketChange) + Send + Sync + 'static,
+    ) -> Self {
         self.watchers.push(Box::new(watcher));
         self
     }

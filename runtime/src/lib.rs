@@ -85,4 +85,4 @@ mod waiters;
 pub mod wake;
 
 pub use broker::{Broker, Builder, GateOptions, Handle, NotValid, StillHeld, Ticket};
-pub use waiters::Waiters;
+pub use waiters::{TicketChange, Waiters};

@@ -30,8 +30,17 @@ pub struct Waiters {
     watchers: OnceLock<Vec<Watcher>>,
 }
 
+/// What a watcher is told of a ticket.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TicketChange {
+    /// It became valid, or has ended.
+    GrantedOrEnded,
+    /// It was revoked, and waits or is barred. It may be valid again by now.
+    Revoked,
+}
+
 /// Is told of every ticket that changed.
-pub(crate) type Watcher = Box<dyn Fn(TicketId) + Send + Sync>;
+pub(crate) type Watcher = Box<dyn Fn(TicketId, TicketChange) + Send + Sync>;
 
 #[derive(Debug)]
 struct Bell {
@@ -59,9 +68,9 @@ impl Waiters {
         let _ = self.watchers.set(watchers);
     }
 
-    fn tell_watchers(&self, ticket: TicketId) {
+    fn tell_watchers(&self, ticket: TicketId, change: TicketChange) {
         for watcher in self.watchers.get().into_iter().flatten() {
-            watcher(ticket);
+            watcher(ticket, change);
         }
     }
 
@@ -103,11 +112,11 @@ impl Notify for Waiters {
                 bell.wakeup.notify();
             }
         }
-        self.tell_watchers(ticket);
+        self.tell_watchers(ticket, TicketChange::GrantedOrEnded);
     }
 
     fn ticket_revoked(&self, ticket: TicketId) {
-        self.tell_watchers(ticket);
+        self.tell_watchers(ticket, TicketChange::Revoked);
     }
 
     fn service_due(&self) {
