@@ -17,12 +17,14 @@
 //! |---|---|
 //! | [`task`] | what a task is |
 //! | [`mission`] | devices, agents, margins, category names, modes |
+//! | [`format`] | schedule and mission files: read, judged, written |
 //! | [`manager`] | decides: events in, actions out |
 //! | [`analyze`](mod@analyze) | what will become of a schedule |
 //! | [`executive`] | carries out: the loop, and the ports it needs |
 
 pub mod analyze;
 pub mod executive;
+pub mod format;
 pub mod manager;
 pub mod mission;
 pub mod task;

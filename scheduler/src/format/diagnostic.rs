@@ -1,0 +1,210 @@
+//! What is wrong with a file, where, and what to do about it.
+
+use core::fmt;
+use core::ops::Range;
+
+use serde::Serialize;
+
+/// Whether a file with this in it is loaded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Severity {
+    /// Nothing of the file is loaded.
+    Error,
+    /// The file is loaded, and somebody should look at this.
+    Warning,
+}
+
+/// Which rule was broken: a name that tools can rely on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(into = "&'static str")]
+pub enum Rule {
+    /// The file is no UTF-8 text.
+    Encoding,
+    /// Nobody knows in which format the file is.
+    Format,
+    /// The file is not TOML.
+    Syntax,
+    /// A quote is not closed, or stands in the wrong place.
+    Quote,
+    /// A file with columns does not say which.
+    Header,
+    /// A row has more fields than the header.
+    ExtraFields,
+    /// Something that must be there is not.
+    Missing,
+    /// A column, key or word that nobody knows.
+    Unknown,
+    /// Something that may be there once is there twice, or two things that
+    /// exclude each other are.
+    Duplicate,
+    /// Not what can be read there: a word where a number belongs.
+    Value,
+    /// A number that is too large, too small, or too fine.
+    Range,
+    /// The window ends before it starts, or the cutoff is before it.
+    Window,
+    /// A body that does not fit its type.
+    Body,
+    /// A task that nobody knows is referred to.
+    UnknownTask,
+    /// A category, gate, agent or mode that the mission does not have.
+    UnknownName,
+    /// Tasks wait for each other in a circle.
+    Cycle,
+    /// A state of charge is asked for, and the mission has no battery.
+    NoBattery,
+    /// The task can never run: it needs more than there is.
+    NeverRuns,
+    /// The body cannot be pre-empted in this way.
+    Preemption,
+    /// A task that runs once may run twice, or a policy has no effect.
+    Restart,
+    /// What a shell would act on, and there is no shell.
+    NoShell,
+    /// What is written has no effect.
+    NoEffect,
+}
+
+impl Rule {
+    /// Its name, as tools see it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Encoding => "encoding",
+            Self::Format => "format",
+            Self::Syntax => "syntax",
+            Self::Quote => "quote",
+            Self::Header => "header",
+            Self::ExtraFields => "extra-fields",
+            Self::Missing => "missing",
+            Self::Unknown => "unknown",
+            Self::Duplicate => "duplicate",
+            Self::Value => "value",
+            Self::Range => "range",
+            Self::Window => "window",
+            Self::Body => "body",
+            Self::UnknownTask => "unknown-task",
+            Self::UnknownName => "unknown-name",
+            Self::Cycle => "cycle",
+            Self::NoBattery => "no-battery",
+            Self::NeverRuns => "never-runs",
+            Self::Preemption => "preemption",
+            Self::Restart => "restart",
+            Self::NoShell => "no-shell",
+            Self::NoEffect => "no-effect",
+        }
+    }
+}
+
+impl From<Rule> for &'static str {
+    fn from(rule: Rule) -> Self {
+        rule.name()
+    }
+}
+
+/// Where something stands in a file.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash, Serialize)]
+pub struct Place {
+    /// Its line, from 1.
+    pub line: usize,
+    /// Its column, from 1, in characters.
+    pub column: usize,
+    /// Its bytes, a byte order mark not counted.
+    pub span: Range<usize>,
+}
+
+/// Something that is wrong with a file.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Diagnostic {
+    /// Whether the file is loaded all the same.
+    pub severity: Severity,
+    /// Which rule was broken.
+    pub rule: Rule,
+    /// The file's name, as it was given.
+    pub file: String,
+    /// Where.
+    #[serde(flatten)]
+    pub place: Place,
+    /// Which column or key; none: the row or the file.
+    pub field: Option<String>,
+    /// What is wrong.
+    pub message: String,
+    /// What would be right.
+    pub expected: Option<String>,
+    /// What to do.
+    pub help: Option<String>,
+    /// The other place, where there are two.
+    pub also: Option<Also>,
+}
+
+/// Another place that has to do with it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct Also {
+    /// Where.
+    #[serde(flatten)]
+    pub place: Place,
+    /// What is there.
+    pub message: String,
+}
+
+impl Diagnostic {
+    pub(crate) fn error(rule: Rule, file: &str, place: Place, message: impl Into<String>) -> Self {
+        Self {
+            severity: Severity::Error,
+            rule,
+            file: file.to_owned(),
+            place,
+            field: None,
+            message: message.into(),
+            expected: None,
+            help: None,
+            also: None,
+        }
+    }
+
+    #[must_use]
+    pub(crate) fn expected(mut self, expected: impl Into<String>) -> Self {
+        self.expected = Some(expected.into());
+        self
+    }
+
+    #[must_use]
+    pub(crate) fn help(mut self, help: impl Into<String>) -> Self {
+        self.help = Some(help.into());
+        self
+    }
+
+    /// Whether nothing of the file is loaded because of it.
+    #[must_use]
+    pub fn is_error(&self) -> bool {
+        self.severity == Severity::Error
+    }
+}
+
+impl fmt::Display for Diagnostic {
+    /// On one line, as compilers do: `file:line:column: error: message`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Place { line, column, .. } = self.place;
+        let severity = if self.is_error() { "error" } else { "warning" };
+        write!(f, "{}:{line}:{column}: {severity}: {}", self.file, self.message)?;
+        match &self.expected {
+            Some(expected) => write!(f, "; expected {expected}"),
+            None => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn on_one_line_it_reads_as_compilers_say_it() {
+        let place = Place { line: 3, column: 7, span: 20..21 };
+        let wrong = Diagnostic::error(Rule::NoBattery, "a.csv", place, "no battery");
+        assert_eq!(wrong.to_string(), "a.csv:3:7: error: no battery");
+        let expected = wrong.expected("0");
+        assert_eq!(expected.to_string(), "a.csv:3:7: error: no battery; expected 0");
+    }
+}
