@@ -24,6 +24,7 @@ mod diagnostic;
 mod draft;
 mod native;
 mod policy;
+mod render;
 mod rows;
 mod scalar;
 mod smaarte;
@@ -37,6 +38,7 @@ use std::path::Path;
 
 pub use diagnostic::{Also, Diagnostic, Place, Rule, Severity};
 pub use policy::DEFAULT_GRACE;
+pub use render::render;
 pub use scalar::Conflict;
 
 use crate::format::check::Judge;
