@@ -22,8 +22,15 @@ use crate::time::{Due, Instant, Now};
 /// After an error nothing more is carried out: what is not in the journal must
 /// not happen.
 pub trait JournalSink {
-    /// Writes a record. It survives the end of this program.
+    /// Writes a record, perhaps together with those that follow.
     fn append(&mut self, record: &Record) -> io::Result<()>;
+
+    /// What was written survives the end of this program when this returns.
+    /// Called before anything is carried out that could be noticed.
+    fn commit(&mut self) -> io::Result<()> {
+        // For a sink whose `append` sees to it at once.
+        Ok(())
+    }
 
     /// What was written survives the loss of power, too, when this returns.
     fn sync(&mut self) -> io::Result<()>;
@@ -186,10 +193,13 @@ impl Driver {
             self.act(action, now, ports)?;
         }
         self.actions = actions;
-        Ok(())
+        ports.journal.commit()
     }
 
     fn act(&mut self, action: Action, now: Now, ports: &mut Ports<'_>) -> io::Result<()> {
+        if !matches!(action, Action::Journal(_) | Action::Sync | Action::Note(_)) {
+            ports.journal.commit()?;
+        }
         match action {
             Action::Journal(record) => ports.journal.append(&record)?,
             Action::Sync => ports.journal.sync()?,
