@@ -27,6 +27,10 @@ pub mod executive;
 pub mod format;
 pub mod manager;
 pub mod mission;
+#[cfg(target_os = "linux")]
+pub mod port;
+#[cfg(target_os = "linux")]
+mod sync;
 pub mod task;
 pub mod time;
 

@@ -87,8 +87,6 @@ pub enum Notice {
     Checkpoint {
         /// How long it has, in microseconds.
         grace_us: u64,
-        /// For whom, for people.
-        why: String,
     },
 }
 

@@ -1,0 +1,4 @@
+//! The atomics of what is modelled: a model that takes a file of this crate has
+//! a module of this name with loom's own.
+
+pub(crate) use core::sync::atomic::{AtomicU32, Ordering};
