@@ -23,6 +23,8 @@
 //! | [`executive`] | carries out: the loop, and the ports it needs |
 
 pub mod analyze;
+#[cfg(target_os = "linux")]
+pub mod control;
 pub mod executive;
 pub mod format;
 pub mod manager;

@@ -1,0 +1,134 @@
+//! What commands the manager, and who is told what becomes of it.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use faregate_client::wire::control::{Answer, StatusQuery};
+use faregate_client::{RefusalKind, Refused};
+
+use crate::control::{ReadSchedule, StatusSource, status};
+use crate::executive::{Correspondent, LoadedFile, Outside, Watched};
+use crate::manager::{Attempt, Event, Manager, Note, Reply, Telecommand, TelecommandId};
+use crate::port::CommandServer;
+use crate::time::Now;
+
+/// One way in from outside. All calls are made by the manager's thread and
+/// return at once; when something was asked, the link rings the manager's bell.
+pub trait Link {
+    /// What was asked since.
+    fn poll(&mut self, now: Now, asked: &mut Vec<Asked>);
+
+    /// Answers what was asked. Each ask is answered once.
+    fn answer(&mut self, now: Now, to: AskId, answer: Answer);
+
+    /// Tells a change.
+    fn note(&mut self, now: Now, note: &Note);
+}
+
+/// Tells apart what was asked over one link.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct AskId(pub u64);
+
+/// What was asked over a link.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Asked {
+    /// To answer by.
+    pub id: AskId,
+    /// What.
+    pub what: What,
+}
+
+/// What can be asked.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum What {
+    /// The manager is to do something.
+    Telecommand(Telecommand),
+    /// Where the tasks stand.
+    Status(StatusQuery),
+}
+
+/// All links of a manager, and what else comes from outside: schedule files,
+/// and the heartbeats of tasks.
+#[expect(missing_debug_implementations, reason = "links and a reader of files: nothing to show")]
+pub struct Links {
+    links: Vec<Box<dyn Link>>,
+    schedules: Arc<dyn ReadSchedule>,
+    ports: Option<CommandServer>,
+    next: u64,
+    open: HashMap<TelecommandId, (usize, AskId)>,
+}
+
+impl Links {
+    /// No links yet. Schedule files that a task loads are read by `schedules`.
+    #[must_use]
+    pub fn new(schedules: Arc<dyn ReadSchedule>) -> Self {
+        Self { links: Vec::new(), schedules, ports: None, next: 0, open: HashMap::new() }
+    }
+
+    /// Adds a link.
+    pub fn add(&mut self, link: impl Link + 'static) {
+        self.links.push(Box::new(link));
+    }
+
+    /// Hears the heartbeats that come to these ports.
+    pub fn hear(&mut self, ports: CommandServer) {
+        self.ports = Some(ports);
+    }
+
+    /// What was asked since, as events. Questions are answered here.
+    pub fn collect(&mut self, now: Now, source: &impl StatusSource, events: &mut Vec<Event>) {
+        let mut asked = Vec::new();
+        for (index, link) in self.links.iter_mut().enumerate() {
+            link.poll(now, &mut asked);
+            for Asked { id: ask, what } in asked.drain(..) {
+                match what {
+                    What::Status(query) => {
+                        let status = status::answer(&query, source, now);
+                        link.answer(now, ask, Answer::Status(status));
+                    }
+                    What::Telecommand(telecommand) => {
+                        let id = TelecommandId(self.next);
+                        self.next += 1;
+                        self.open.insert(id, (index, ask));
+                        events.push(Event::Telecommand { id, telecommand });
+                    }
+                }
+            }
+        }
+        if let Some(ports) = &self.ports {
+            ports.poll(events);
+        }
+    }
+}
+
+impl Outside for Links {
+    fn note(&mut self, now: Now, note: &Note) {
+        self.links.iter_mut().for_each(|link| link.note(now, note));
+    }
+
+    fn answer(&mut self, now: Now, id: TelecommandId, reply: Reply) {
+        let Some((link, ask)) = self.open.remove(&id) else { return };
+        let answer = match reply {
+            Reply::Done => Answer::Done,
+            Reply::Refused(why) => Answer::Refused(Refused::new(RefusalKind::NotDone, why)),
+        };
+        if let Some(link) = self.links.get_mut(link) {
+            link.answer(now, ask, answer);
+        }
+    }
+
+    fn load(&mut self, _: Attempt, path: &str) -> Option<LoadedFile> {
+        let text = std::fs::read_to_string(path).map_err(|error| format!("{path}: {error}"));
+        Some(text.and_then(|text| {
+            self.schedules.read(path, &text).map_err(|refused| refused.to_string())
+        }))
+    }
+}
+
+impl Watched for Links {}
+
+impl Correspondent for Links {
+    fn poll(&mut self, now: Now, manager: &Manager, events: &mut Vec<Event>) {
+        self.collect(now, manager, events);
+    }
+}

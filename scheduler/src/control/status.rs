@@ -1,0 +1,99 @@
+//! Where the tasks stand, for who asks.
+
+use faregate_client::wire::control::{MAX_ROWS, State as Told, Status, StatusQuery, TaskRow};
+
+use crate::manager::{Attempt, Manager, State, TaskStatus};
+use crate::task::{Outcome, Task, TaskId};
+use crate::time::Now;
+
+/// What knows where the tasks stand: the manager.
+pub trait StatusSource {
+    /// Every task of the schedule, in its order.
+    fn each(&self) -> impl Iterator<Item = TaskStatus>;
+
+    /// The task, if it is in the schedule.
+    fn task(&self, id: TaskId) -> Option<&Task>;
+}
+
+impl StatusSource for Manager {
+    fn each(&self) -> impl Iterator<Item = TaskStatus> {
+        self.status()
+    }
+
+    fn task(&self, id: TaskId) -> Option<&Task> {
+        Self::task(self, id)
+    }
+}
+
+/// The answer to a query, at this instant.
+///
+/// # Timing
+/// A step for each task up to the last one in the answer, which has at most
+/// [`MAX_ROWS`]: long schedules are told in several answers, so that no
+/// question keeps the manager for long.
+pub(super) fn answer(query: &StatusQuery, source: &impl StatusSource, now: Now) -> Status {
+    let limit = query.limit.unwrap_or(MAX_ROWS).min(MAX_ROWS);
+    let wanted = |id: TaskId| query.tasks.is_empty() || query.tasks.contains(&id.get());
+    let mut rest = source
+        .each()
+        .filter(|status| wanted(status.occurrence.task))
+        .skip(usize::try_from(query.skip).unwrap_or(usize::MAX));
+    let shown = rest.by_ref().take(usize::try_from(limit).unwrap_or(usize::MAX));
+    let tasks = shown.map(|status| row(status, source)).collect();
+    Status {
+        at_us: now.elapsed.as_micros(),
+        unix_us: now.wall.as_micros(),
+        tasks,
+        more: rest.next().is_some(),
+    }
+}
+
+fn row(status: TaskStatus, source: &impl StatusSource) -> TaskRow {
+    let TaskStatus { occurrence, state } = status;
+    let task = source.task(occurrence.task);
+    let mut row = TaskRow {
+        task: occurrence.task.get(),
+        name: task.and_then(|task| task.name.clone()),
+        occurrence: occurrence.number,
+        priority: task.map_or(0, |task| task.priority.level()),
+        state: told(&state),
+        attempt: attempt(&state).map(|attempt| attempt.number),
+        due_us: None,
+        due_unix_us: None,
+        waits_for: None,
+    };
+    match state {
+        State::Pending(due) => {
+            row.due_us = due.elapsed.map(|at| at.as_micros());
+            row.due_unix_us = due.wall.map(|at| at.as_micros());
+        }
+        State::Waiting(waits_for) | State::Paused(_, waits_for) => {
+            row.waits_for = Some(waits_for.to_string());
+        }
+        State::Running(_) | State::Stopping(_) | State::Ended(_) => {}
+    }
+    row
+}
+
+const fn attempt(state: &State) -> Option<Attempt> {
+    match state {
+        State::Running(attempt) | State::Stopping(attempt) | State::Paused(attempt, _) => {
+            Some(*attempt)
+        }
+        State::Pending(_) | State::Waiting(_) | State::Ended(_) => None,
+    }
+}
+
+const fn told(state: &State) -> Told {
+    match state {
+        State::Pending(_) => Told::Pending,
+        State::Waiting(_) => Told::Waiting,
+        State::Running(_) => Told::Running,
+        State::Stopping(_) => Told::Stopping,
+        State::Paused(..) => Told::Paused,
+        State::Ended(Outcome::Succeeded) => Told::Succeeded,
+        State::Ended(Outcome::Failed) => Told::Failed,
+        State::Ended(Outcome::Aborted) => Told::Aborted,
+        State::Ended(Outcome::Missed) => Told::Missed,
+    }
+}
