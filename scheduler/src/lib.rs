@@ -21,12 +21,14 @@
 //! | [`manager`] | decides: events in, actions out |
 //! | [`analyze`](mod@analyze) | what will become of a schedule |
 //! | [`executive`] | carries out: the loop, and the ports it needs |
+//! | [`journal`] | remembers, after a crash and after a loss of power |
 
 pub mod analyze;
 #[cfg(target_os = "linux")]
 pub mod control;
 pub mod executive;
 pub mod format;
+pub mod journal;
 pub mod manager;
 pub mod mission;
 #[cfg(target_os = "linux")]

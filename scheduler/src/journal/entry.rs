@@ -1,0 +1,57 @@
+//! What stands in a journal's files: records, and what the journal says of
+//! itself.
+
+use serde::{Deserialize, Serialize};
+
+use crate::journal::storage::Boot;
+use crate::manager::{Attempt, Occurrence, Record};
+use crate::task::{Outcome, Task};
+use crate::time::UnixTime;
+
+/// One entry. Their order is part of the format: see
+/// [`VERSION`](crate::journal::segment::VERSION).
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) enum Entry<R = Record> {
+    /// The journal was opened, in this start of the host.
+    Opened(Boot),
+    /// It was closed in order: nothing was lost.
+    Closed,
+    /// The manager's own. (A writer has only a reference to it.)
+    Record(R),
+    /// The log before this one is so many bytes long.
+    Continues(u64),
+    /// A snapshot begins.
+    Base(Base),
+    /// A task of a snapshot.
+    Kept(Box<Kept>),
+    /// A snapshot is complete, with so many tasks.
+    Complete(u64),
+}
+
+/// What a journal knows beside its tasks.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Base {
+    pub(super) modes: Vec<String>,
+    pub(super) next_position: u64,
+    /// In which start of the host the journal was opened last.
+    pub(super) boot: Boot,
+    /// Whether it was closed since.
+    pub(super) closed: bool,
+}
+
+/// What a journal knows of a task.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Kept {
+    pub(super) task: Task,
+    pub(super) load: u32,
+    pub(super) position: u64,
+    pub(super) accepted: UnixTime,
+    pub(super) held: bool,
+    pub(super) removed: bool,
+    pub(super) ended: Option<(u64, Outcome)>,
+    pub(super) attempts: u32,
+    pub(super) running: Option<Attempt>,
+    pub(super) armed: Option<Occurrence>,
+    /// Power was lost while it was armed.
+    pub(super) armed_in_vain: bool,
+}

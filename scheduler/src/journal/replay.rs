@@ -1,0 +1,276 @@
+//! What records add up to.
+//!
+//! A pure function: it opens no file, and records that make no sense together
+//! are no panic. Records of a task that is not there say nothing.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::journal::entry::{Base, Entry, Kept};
+use crate::journal::storage::Boot;
+use crate::manager::{Attempt, Occurrence, Record, Restored, RestoredTask};
+use crate::task::{Outcome, Task, TaskId};
+use crate::time::UnixTime;
+
+/// What these records add up to, if no power was lost between them.
+pub fn replay(records: impl IntoIterator<Item = Record>) -> Restored {
+    let mut replay = Replay::default();
+    for record in records {
+        replay.apply(record);
+    }
+    replay.restored()
+}
+
+/// Adds records up, one after the other.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Replay {
+    base: Base,
+    /// Those that somebody may ask for. One that was removed is among them
+    /// while an attempt of it may have to be cleared away, or a task in the
+    /// schedule asks what became of it. It goes with the record that ends this,
+    /// so that a compaction, whenever it comes, changes nothing.
+    tasks: BTreeMap<TaskId, Kept>,
+    /// How often tasks in the schedule name each one.
+    named: BTreeMap<TaskId, usize>,
+}
+
+impl Replay {
+    /// The journal was opened, in this start of the host. Unless it is the one
+    /// of the time before, or the journal was closed in between, what was not
+    /// synced may be lost: who was armed may have started.
+    pub fn opened(&mut self, boot: Boot) {
+        if !self.base.closed && !self.base.boot.is_certainly(boot) {
+            for kept in self.tasks.values_mut() {
+                kept.armed_in_vain |= kept.armed.is_some();
+            }
+        }
+        self.base.boot = boot;
+        self.base.closed = false;
+    }
+
+    /// The journal was closed in order.
+    pub fn closed(&mut self) {
+        self.base.closed = true;
+    }
+
+    /// Whether it was closed, or nothing was ever written to it.
+    #[must_use]
+    pub fn is_closed(&self) -> bool {
+        self.base.closed
+    }
+
+    /// Adds a record.
+    pub fn apply(&mut self, record: Record) {
+        match record {
+            Record::Accepted { task, load, position, wall, .. } => {
+                self.accept(*task, load, position, wall);
+            }
+            Record::Changed { task, held } => self.change(*task, held),
+            Record::Removed { task, load } => self.remove(task, load),
+            Record::Armed { occurrence } => self.arm(occurrence, true),
+            Record::Disarmed { occurrence } => self.arm(occurrence, false),
+            Record::Starting { attempt } => self.start(attempt),
+            Record::Paused { .. } => {}
+            Record::Over { attempt, .. } => self.over(attempt),
+            Record::Ended { occurrence, outcome, .. } => self.end(occurrence, outcome),
+            Record::Mode { name, entered } => self.mode(name, entered),
+        }
+    }
+
+    /// What a manager goes on with.
+    #[must_use]
+    pub fn restored(&self) -> Restored {
+        let cleanups = self.cleanups();
+        let mut tasks: Vec<_> = self
+            .tasks
+            .values()
+            .map(|kept| restored_task(kept, cleanups.contains(&kept.task.id)))
+            .collect();
+        tasks.sort_by_key(|task| task.position);
+        let Base { modes, next_position, .. } = self.base.clone();
+        Restored { tasks, modes, next_position }
+    }
+
+    /// The entries of a snapshot: applied to nothing they make this again.
+    pub(super) fn entries(&self) -> impl Iterator<Item = Entry> {
+        core::iter::once(Entry::Base(self.base.clone()))
+            .chain(self.tasks.values().map(|kept| Entry::Kept(Box::new(kept.clone()))))
+            .chain(core::iter::once(Entry::Complete(self.known())))
+    }
+
+    pub(super) fn apply_entry(&mut self, entry: Entry) {
+        match entry {
+            Entry::Opened(boot) => self.opened(boot),
+            Entry::Closed => self.closed(),
+            Entry::Record(record) => self.apply(record),
+            Entry::Base(base) => self.base = base,
+            Entry::Kept(kept) => self.insert(*kept),
+            Entry::Continues(_) | Entry::Complete(_) => {}
+        }
+    }
+
+    /// In which start of the host the journal was opened last.
+    pub(super) const fn last_boot(&self) -> Boot {
+        self.base.boot
+    }
+
+    /// How many tasks it knows.
+    pub(super) fn known(&self) -> u64 {
+        u64::try_from(self.tasks.len()).unwrap_or(u64::MAX)
+    }
+
+    fn accept(&mut self, task: Task, load: u32, position: u64, accepted: UnixTime) {
+        self.base.next_position = self.base.next_position.max(position.saturating_add(1));
+        let kept = Kept {
+            load,
+            position,
+            accepted,
+            held: false,
+            removed: false,
+            ended: None,
+            attempts: 0,
+            running: None,
+            armed: None,
+            armed_in_vain: false,
+            task,
+        };
+        self.insert(kept);
+    }
+
+    fn insert(&mut self, kept: Kept) {
+        if !kept.removed {
+            self.name(&kept.task);
+        }
+        if let Some(before) = self.tasks.insert(kept.task.id, kept)
+            && !before.removed
+        {
+            self.unname(&before.task);
+        }
+    }
+
+    fn remove(&mut self, id: TaskId, load: u32) {
+        if let Some(kept) =
+            self.tasks.get_mut(&id).filter(|kept| kept.load == load && !kept.removed)
+        {
+            kept.removed = true;
+            let task = kept.task.clone();
+            self.unname(&task);
+            self.forget(id);
+        }
+    }
+
+    /// Forgets a task that nobody asks for any more.
+    fn forget(&mut self, id: TaskId) {
+        let asks = |kept: &Kept| !kept.removed || kept.running.is_some();
+        if !self.named.contains_key(&id) && !self.tasks.get(&id).is_none_or(asks) {
+            self.tasks.remove(&id);
+        }
+    }
+
+    fn name(&mut self, task: &Task) {
+        for named in names(task) {
+            *self.named.entry(named).or_default() += 1;
+        }
+    }
+
+    fn unname(&mut self, task: &Task) {
+        for named in names(task) {
+            if let Some(times) = self.named.get_mut(&named) {
+                *times -= 1;
+                if *times == 0 {
+                    self.named.remove(&named);
+                    self.forget(named);
+                }
+            }
+        }
+    }
+
+    fn change(&mut self, task: Task, held: bool) {
+        let Some(kept) = self.tasks.get_mut(&task.id) else { return };
+        kept.held = held;
+        if kept.removed {
+            return;
+        }
+        let before = core::mem::replace(&mut kept.task, task.clone());
+        self.name(&task);
+        self.unname(&before);
+    }
+
+    fn of(&mut self, occurrence: Occurrence) -> Option<&mut Kept> {
+        self.tasks.get_mut(&occurrence.task).filter(|kept| kept.load == occurrence.load)
+    }
+
+    fn arm(&mut self, occurrence: Occurrence, armed: bool) {
+        if let Some(kept) = self.of(occurrence) {
+            kept.armed = armed.then_some(occurrence);
+            kept.armed_in_vain = false;
+        }
+    }
+
+    fn start(&mut self, attempt: Attempt) {
+        if let Some(kept) = self.of(attempt.occurrence) {
+            kept.running = Some(attempt);
+            kept.attempts = kept.attempts.max(attempt.number);
+            kept.armed = None;
+            kept.armed_in_vain = false;
+        }
+    }
+
+    /// Also the answer of a manager to an attempt of which nobody knows whether
+    /// it started.
+    fn over(&mut self, attempt: Attempt) {
+        if let Some(kept) = self.of(attempt.occurrence) {
+            kept.running = kept.running.filter(|running| *running != attempt);
+            kept.attempts = kept.attempts.max(attempt.number);
+            kept.armed = None;
+            kept.armed_in_vain = false;
+            self.forget(attempt.occurrence.task);
+        }
+    }
+
+    fn end(&mut self, occurrence: Occurrence, outcome: Outcome) {
+        let Some(kept) = self.of(occurrence) else { return };
+        let number = occurrence.number;
+        if kept.ended.is_some_and(|(ended, _)| ended >= number) {
+            return;
+        }
+        kept.ended = Some((number, outcome));
+        kept.attempts = 0;
+        kept.running = kept.running.filter(|attempt| attempt.occurrence.number > number);
+        kept.armed = kept.armed.filter(|armed| armed.number > number);
+        kept.armed_in_vain &= kept.armed.is_some();
+        self.forget(occurrence.task);
+    }
+
+    fn mode(&mut self, name: String, entered: bool) {
+        self.base.modes.retain(|mode| *mode != name);
+        if entered {
+            self.base.modes.push(name);
+        }
+    }
+
+    fn cleanups(&self) -> BTreeSet<TaskId> {
+        let live = self.tasks.values().filter(|kept| !kept.removed);
+        live.filter_map(|kept| kept.task.cleanup).collect()
+    }
+}
+
+/// The tasks that this one asks for.
+fn names(task: &Task) -> impl Iterator<Item = TaskId> {
+    task.after.iter().map(|prior| prior.task).chain(task.cleanup)
+}
+
+fn restored_task(kept: &Kept, is_cleanup: bool) -> RestoredTask {
+    let ran_once = kept.task.interval.is_none() && kept.ended.is_some() && !is_cleanup;
+    RestoredTask {
+        task: kept.task.clone(),
+        load: kept.load,
+        position: kept.position,
+        accepted: kept.accepted,
+        held: kept.held,
+        over: kept.removed || ran_once,
+        ended: kept.ended,
+        attempts: kept.attempts,
+        interrupted: kept.running,
+        may_have_started: kept.armed_in_vain && kept.running.is_none(),
+    }
+}

@@ -1,0 +1,126 @@
+//! What records add up to, rule by rule.
+
+use faregate_scheduler::journal::replay;
+use faregate_scheduler::manager::{Attempt, Record, RestoredTask};
+use faregate_scheduler::task::{Dependency, Outcome, Status, Task, TaskPriority};
+use faregate_scheduler::time::UnixTime;
+
+use crate::records::{
+    accepted, accepted_as, armed, attempt, ended, id, occurrence, over, routine, starting, task,
+};
+
+fn removed(task: u32) -> Record {
+    Record::Removed { task: id(task), load: 0 }
+}
+
+fn only(records: impl IntoIterator<Item = Record>) -> RestoredTask {
+    let mut tasks = replay(records).tasks;
+    assert_eq!(tasks.len(), 1, "{tasks:?}");
+    tasks.remove(0)
+}
+
+#[test]
+fn tasks_come_back_in_the_order_of_the_schedule() {
+    let records = [accepted_as(task(1), 0, 9), accepted_as(task(2), 0, 4)];
+    let restored = replay(records);
+    let order: Vec<_> = restored.tasks.iter().map(|kept| kept.task.id).collect();
+    assert_eq!(order, [id(2), id(1)]);
+    assert_eq!(restored.next_position, 10);
+}
+
+#[test]
+fn a_task_that_was_removed_is_gone() {
+    let restored = replay([accepted(task(1)), removed(1)]);
+    assert!(restored.tasks.is_empty());
+    assert_eq!(restored.next_position, 2, "its position is not given again");
+}
+
+#[test]
+fn a_removal_of_an_earlier_task_of_the_id_does_not_count() {
+    let records = [accepted_as(task(1), 1, 1), removed(1)];
+    assert!(!only(records).over);
+}
+
+#[test]
+fn what_became_of_a_task_is_kept_while_another_one_asks() {
+    let after = vec![Dependency { task: id(1), status: Status::Succeeded }];
+    let records = [
+        accepted(task(1)),
+        accepted(Task { after, ..task(2) }),
+        ended(1, Outcome::Succeeded),
+        removed(1),
+    ];
+    let restored = replay(records.clone());
+    assert_eq!(restored.tasks[0].ended, Some((0, Outcome::Succeeded)));
+    assert!(restored.tasks[0].over && !restored.tasks[1].over);
+    let restored = replay(records.into_iter().chain([removed(2)]));
+    assert!(restored.tasks.is_empty(), "nobody asks any more");
+}
+
+#[test]
+fn a_removed_task_with_an_open_attempt_is_kept_until_that_is_over() {
+    let records = [accepted(task(1)), starting(1), removed(1)];
+    assert_eq!(only(records.clone()).interrupted, Some(attempt(1, 1)));
+    assert!(replay(records.into_iter().chain([over(1)])).tasks.is_empty());
+}
+
+#[test]
+fn a_one_shot_that_ended_is_over_and_a_routine_task_is_not() {
+    assert!(only([accepted(task(1)), ended(1, Outcome::Missed)]).over);
+    assert!(!only([accepted(routine(1)), ended(1, Outcome::Missed)]).over);
+}
+
+/// It has no times of its own: it runs whenever the other one failed.
+#[test]
+fn a_cleanup_task_is_not_over_when_it_ran() {
+    let cleaned = Task { cleanup: Some(id(2)), ..routine(1) };
+    let restored = replay([accepted(cleaned), accepted(task(2)), ended(2, Outcome::Succeeded)]);
+    assert!(!restored.tasks[1].over);
+}
+
+#[test]
+fn attempts_count_until_the_occurrence_ends() {
+    let second = Attempt { number: 2, ..attempt(1, 1) };
+    let preempted = Record::Over { attempt: attempt(1, 1), outcome: None };
+    let records =
+        [accepted(routine(1)), starting(1), preempted, Record::Starting { attempt: second }];
+    let kept = only(records.clone());
+    assert_eq!((kept.attempts, kept.interrupted), (2, Some(second)));
+    let kept = only(records.into_iter().chain([ended(1, Outcome::Failed)]));
+    assert_eq!((kept.attempts, kept.interrupted), (0, None));
+}
+
+#[test]
+fn an_occurrence_that_ended_does_not_end_a_later_one() {
+    let later = occurrence(1, 5);
+    let wall = UnixTime::from_secs(0);
+    let end = Record::Ended { occurrence: later, outcome: Outcome::Missed, wall };
+    let kept = only([accepted(routine(1)), end, ended(1, Outcome::Succeeded)]);
+    assert_eq!(kept.ended, Some((5, Outcome::Missed)));
+}
+
+#[test]
+fn a_changed_task_keeps_its_place_and_its_attempts() {
+    let priority = TaskPriority::new(7).unwrap();
+    let changed = Record::Changed { task: Box::new(Task { priority, ..task(1) }), held: true };
+    let kept = only([accepted(task(1)), starting(1), changed]);
+    assert_eq!((kept.task.priority, kept.held, kept.attempts), (priority, true, 1));
+}
+
+#[test]
+fn the_same_id_again_is_another_task() {
+    let kept = only([accepted(task(1)), starting(1), accepted_as(task(1), 1, 2), over(1)]);
+    assert_eq!((kept.load, kept.attempts, kept.interrupted), (1, 0, None));
+}
+
+#[test]
+fn modes_come_back_in_the_order_in_which_they_were_entered() {
+    let mode = |name: &str, entered| Record::Mode { name: name.into(), entered };
+    let records = [mode("a", true), mode("b", true), mode("c", true), mode("b", false)];
+    assert_eq!(replay(records).modes, ["a", "c"]);
+}
+
+#[test]
+fn records_of_nobody_say_nothing() {
+    assert!(replay([armed(1), starting(1), over(1), removed(1)]).tasks.is_empty());
+}
