@@ -20,6 +20,7 @@
 //! tells what follows from it.
 
 mod collide;
+mod gantt;
 mod phase;
 mod problems;
 mod report;
@@ -28,6 +29,7 @@ mod trace;
 mod track;
 mod utilisation;
 
+pub use gantt::{Look, Rows, gantt};
 pub use report::{Analysis, Picture, Problem, ProblemKind, Run, RunOutcome, TaskReport};
 pub use samples::{Quantiles, Samples, TaskSamples};
 pub use utilisation::{AgentUse, CategoryUse, Utilisation};

@@ -54,8 +54,10 @@ pub struct TaskReport {
 /// What pictures show of a task, beside its runs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Picture {
-    /// What people call it.
+    /// What people call it, or the program that it runs.
     pub name: Option<String>,
+    /// How important it is.
+    pub priority: u8,
     /// Its categories.
     pub categories: Categories,
     /// How long it keeps them after its end.

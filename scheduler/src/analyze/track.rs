@@ -3,7 +3,7 @@
 use crate::analyze::phase::{self, Offset, base, first_number, from_load};
 use crate::analyze::report::{Picture, Run, RunOutcome, TaskReport};
 use crate::manager::{Attempt, WaitsFor};
-use crate::task::{Outcome, Task};
+use crate::task::{Body, Outcome, Task};
 use crate::time::{Duration, UnixTime};
 
 /// A task and its history.
@@ -251,7 +251,8 @@ impl Track {
             reason: self.reason(),
             more: Picture {
                 windows: self.windows_that_were_seen(),
-                name: self.task.name,
+                name: called(&self.task),
+                priority: self.task.priority.level(),
                 categories: self.task.categories,
                 gap: self.task.gap,
                 waits: self.waits,
@@ -280,4 +281,16 @@ impl Track {
         let waits = self.waits.iter().map(|(from, until)| until.saturating_sub(*from));
         waits.fold(self.pauses, Duration::saturating_add)
     }
+}
+
+/// What people call it, or the program that it runs.
+fn called(task: &Task) -> Option<String> {
+    let program = match &task.body {
+        Body::Process { program, .. } => program.rsplit('/').next().unwrap_or(program).to_owned(),
+        Body::Function { number, .. } => format!("function {number}"),
+        Body::Sequence(_) => "sequence".into(),
+        Body::Hold => "hold".into(),
+        Body::BuiltIn(_) => "built in".into(),
+    };
+    task.name.clone().or(Some(program))
 }
