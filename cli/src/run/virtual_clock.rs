@@ -1,0 +1,92 @@
+//! A run on the virtual clock: nothing is executed.
+
+use std::time::{Duration as StdDuration, Instant as StdInstant};
+
+use faregate_scheduler::executive::{LoadedFile, Outside, VirtualBodies, VirtualExecutive};
+use faregate_scheduler::manager::{
+    Addition, Attempt, Event, Note, Reply, Telecommand, TelecommandId,
+};
+use faregate_scheduler::time::{Duration, Instant, Now};
+
+use super::teller::Teller;
+use crate::exit::Failure;
+use crate::schedule::{Loader, Schedule};
+use crate::times;
+
+/// How a virtual clock goes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Pace {
+    /// As fast as can be.
+    Free,
+    /// So many times faster than the host's clock.
+    Times(f64),
+}
+
+/// Who hears of a virtual run.
+struct Audience {
+    teller: Teller,
+    refused: Option<String>,
+    loader: Loader,
+}
+
+impl Outside for Audience {
+    fn note(&mut self, now: Now, note: &Note) {
+        self.teller.tell(now, note);
+    }
+
+    fn answer(&mut self, _: Now, _: TelecommandId, reply: Reply) {
+        if let Reply::Refused(why) = reply {
+            self.refused = Some(why);
+        }
+    }
+
+    fn load(&mut self, _: Attempt, path: &str) -> Option<LoadedFile> {
+        Some(self.loader.load(path))
+    }
+}
+
+/// Runs the schedule until nothing is left to do, or the time is over.
+pub(crate) fn run(
+    schedule: Schedule,
+    pace: Pace,
+    time: Option<Duration>,
+    teller: Teller,
+) -> Result<Teller, Failure> {
+    let Schedule { tasks, mission, loader, .. } = schedule;
+    let audience = Audience { teller, refused: None, loader };
+    let bodies = VirtualBodies::as_expected();
+    let mut executive = VirtualExecutive::new(mission, times::now(), bodies, audience);
+    let additions = tasks.into_iter().map(|task| Addition { task }).collect();
+    let telecommand = Telecommand::Add(additions);
+    executive.tell(Event::Telecommand { id: TelecommandId(0), telecommand });
+    let began = StdInstant::now();
+    let stuck = |stuck: faregate_scheduler::executive::Stuck| Failure::failed(stuck.to_string());
+    executive.advance_to(Instant::START).map_err(stuck)?;
+    if let Some(why) = executive.outside().refused.take() {
+        return Err(Failure::failed(format!("the schedule is not accepted: {why}")));
+    }
+    let end = time.map(|time| Instant::START.after(time));
+    while !executive.manager().is_over() {
+        let Some(due) = executive.next_due() else {
+            executive.outside().teller.say("Nothing that is left can ever happen.");
+            break;
+        };
+        if end.is_some_and(|end| due > end) {
+            break;
+        }
+        wait(pace, began, due);
+        executive.advance_to(due).map_err(stuck)?;
+    }
+    if let Some(end) = end.filter(|_| !executive.manager().is_over()) {
+        wait(pace, began, end);
+    }
+    Ok(executive.into_outside().teller)
+}
+
+/// Waits until the virtual instant has come.
+#[expect(clippy::disallowed_methods, reason = "the virtual clock is to be seen in real time")]
+fn wait(pace: Pace, began: StdInstant, instant: Instant) {
+    let Pace::Times(times) = pace else { return };
+    let real = StdDuration::from_micros(instant.as_micros()).div_f64(times);
+    std::thread::sleep(real.saturating_sub(began.elapsed()));
+}
