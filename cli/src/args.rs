@@ -10,7 +10,7 @@ pub(crate) use live::{
     ToAllArgs, WatchArgs,
 };
 pub(crate) use offline::{
-    AnalyzeArgs, CheckArgs, CompletionsArgs, ConvertArgs, FilesArgs, RunArgs,
+    AnalyzeArgs, CheckArgs, CompletionsArgs, ConflictColumn, ConvertArgs, FilesArgs, RunArgs,
 };
 
 /// The schedule manager: what runs when, on tickets.

@@ -41,8 +41,12 @@ fn verdict(errors: usize, warnings: usize, tasks: Option<usize>) -> String {
         _ => format!(", {}", number(warnings, "warning")),
     };
     match tasks {
-        Some(tasks) => out::styled(out::GOOD, "good") + &format!(": {}{warned}", number(tasks, "task")),
-        None => out::styled(out::BAD, number(errors, "error")) + &format!("{warned}; nothing is loaded"),
+        Some(tasks) => {
+            out::styled(out::GOOD, "good") + &format!(": {}{warned}", number(tasks, "task"))
+        }
+        None => {
+            out::styled(out::BAD, number(errors, "error")) + &format!("{warned}; nothing is loaded")
+        }
     }
 }
 

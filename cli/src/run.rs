@@ -15,9 +15,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<Exit, Failure> {
     let mut teller = Teller::new(args.format, &schedule.tasks);
     teller.say(&schedule.summary());
     let teller = match (args.speed, args.virtual_clock) {
-        (Some(speed), _) => {
-            virtual_clock::run(schedule, Pace::Times(speed), args.time, teller)?
-        }
+        (Some(speed), _) => virtual_clock::run(schedule, Pace::Times(speed), args.time, teller)?,
         (None, true) => virtual_clock::run(schedule, Pace::Free, args.time, teller)?,
         (None, false) => return Err(Failure::failed("not yet")),
     };

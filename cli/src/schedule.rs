@@ -82,7 +82,8 @@ pub(crate) fn read(args: &FilesArgs) -> Result<Schedule, Failure> {
 
 /// Reads the files, and gathers everything that is to be said of them.
 pub(crate) fn examine(args: &FilesArgs) -> Result<Examined, Failure> {
-    let mut sources = args.files.iter().map(|path| Source::open(path)).collect::<Result<Vec<_>, _>>()?;
+    let mut sources =
+        args.files.iter().map(|path| Source::open(path)).collect::<Result<Vec<_>, _>>()?;
     let (given, mut diagnostics) = match &args.mission {
         Some(path) => given(path, &mut sources)?,
         None => (None, Vec::new()),
@@ -90,13 +91,13 @@ pub(crate) fn examine(args: &FilesArgs) -> Result<Examined, Failure> {
     // The mission may be in one of several files; the others are then judged
     // against it.
     let files = args.files.len();
-    let owner = if given.is_some() { None } else { sources.iter().position(|it| it.mission().is_some()) };
+    let owner =
+        if given.is_some() { None } else { sources.iter().position(|it| it.mission().is_some()) };
     let found = owner.and_then(|owner| sources.get(owner)?.mission());
     let mission = given.or(found).unwrap_or_default();
     let mut tasks = Vec::new();
     for (index, source) in sources.iter().take(files).enumerate() {
-        let against =
-            if owner == Some(index) { Against::Own } else { Against::Mission(&mission) };
+        let against = if owner == Some(index) { Against::Own } else { Against::Mission(&mission) };
         let options = Options {
             conflict: args.conflict.into(),
             against: if args.mission.is_none() && owner.is_none() { Against::Own } else { against },

@@ -22,7 +22,9 @@ pub(crate) fn print(summary: &str, analysis: &Analysis) -> io::Result<()> {
             "\n{} runs with drawn durations, seed {}: {}",
             samples.count,
             samples.seed,
-            samples.makespan.map_or_else(|| "nothing ends".into(), |q| format!("done {}", within(q)))
+            samples
+                .makespan
+                .map_or_else(|| "nothing ends".into(), |q| format!("done {}", within(q)))
         ))?;
         out::line(sampled(samples))?;
     }
@@ -110,15 +112,19 @@ fn within(quantiles: Quantiles) -> String {
 fn usage(utilisation: &Utilisation) -> io::Result<()> {
     for agent in &utilisation.agents {
         let supply = agent.supply.map_or_else(String::new, |supply| format!(" of {supply}"));
-        let mut text =
-            format!("{}: at most {}{supply} at a time, {} on average", agent.name, agent.peak, agent.average);
+        let mut text = format!(
+            "{}: at most {}{supply} at a time, {} on average",
+            agent.name, agent.peak, agent.average
+        );
         if let Some(at) = agent.exceeded {
-            text += &format!("; {} wished for, more than there is from {} s on", agent.wished.0, s(at));
+            text +=
+                &format!("; {} wished for, more than there is from {} s on", agent.wished.0, s(at));
         }
         out::line(text)?;
     }
     for category in &utilisation.categories {
-        let name = category.name.clone().unwrap_or_else(|| format!("category {}", category.category));
+        let name =
+            category.name.clone().unwrap_or_else(|| format!("category {}", category.category));
         let part = permille(category.busy, utilisation.over);
         out::line(format_args!("{name}: busy {}.{} % of the time", part / 10, part % 10))?;
     }

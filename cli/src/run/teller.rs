@@ -47,9 +47,7 @@ impl Teller {
     fn print(&mut self, now: Now, note: &Note) -> io::Result<()> {
         let at_us = now.elapsed.as_micros();
         match self.format {
-            Format::Json => {
-                out::json_line(&Change { at_us, unix_us: now.wall.as_micros(), note })
-            }
+            Format::Json => out::json_line(&Change { at_us, unix_us: now.wall.as_micros(), note }),
             // That everything in the file was accepted is said by its start.
             Format::Text if matches!(note, Note::Accepted(_)) && now.elapsed == Instant::START => {
                 Ok(())
