@@ -82,7 +82,11 @@ pub struct Manager {
     gaps: Vec<Gap>,
     modes: Modes,
     measured: Measured,
+    /// Tasks that can never run, and are to be taken out: index, position, why.
+    doomed: Vec<(u32, u64, String)>,
     armed: Vec<u32>,
+    /// The instants that were prepared for, by each clock.
+    armed_for: [Option<Micros>; 2],
     /// Tasks that are not over; those that only clean up are not among them.
     open: usize,
     shutting_down: bool,
@@ -144,7 +148,9 @@ impl Manager {
             gaps: Vec::new(),
             modes: Modes::default(),
             measured: Measured::default(),
+            doomed: Vec::new(),
             armed: Vec::new(),
+            armed_for: [None; 2],
             open: 0,
             shutting_down: false,
             last: Present::default(),

@@ -72,7 +72,7 @@ fn lines(trace: &[(f64, String)]) -> Vec<String> {
 
 #[test]
 fn tasks_of_one_category_run_one_after_the_other_most_important_first() {
-    let tasks = (1..=6).map(|n| task(10 + n, 3, u128::from(n > 3) + 1, ((n - 1) % 3 + 1) as u8));
+    let tasks = (1..=6).map(|n| task(10 + n, 3, u128::from(n > 3) + 1, [1, 2, 3][(n as usize - 1) % 3]));
     let trace = run(tasks.collect(), 100);
     let starts: Vec<_> = lines(&trace).into_iter().filter(|line| line.contains("start")).collect();
     assert_eq!(
@@ -86,7 +86,7 @@ fn tasks_of_one_category_run_one_after_the_other_most_important_first() {
 fn nine_tasks_on_three_resources_take_a_third_and_55_seconds_with_gaps() {
     let tasks = |gap| -> Vec<Task> {
         let nine = (0..9_u32).map(|n| {
-            let mut task = task(n + 1, 15, 1 << (n / 3), (3 - n % 3) as u8);
+            let mut task = task(n + 1, 15, 1 << (n / 3), [3, 2, 1][n as usize % 3]);
             task.gap = Duration::from_secs(gap);
             task
         });

@@ -191,7 +191,7 @@ impl Manager {
     }
 
     /// Why such a task could not run even alone.
-    fn can_never_run(&self, entry: &Entry) -> Option<String> {
+    pub(crate) fn can_never_run(&self, entry: &Entry) -> Option<String> {
         use crate::manager::ledger::{Part, Short};
         let demand = self.classes.demand(entry.class);
         let what = match self.ledger().short(&demand, Part::All, &self.installed)? {

@@ -12,10 +12,14 @@ impl Step<'_> {
     pub(crate) fn arm(&mut self) {
         self.disarm_the_late();
         let mut wrote = false;
-        for clock in [Clock::Elapsed, Clock::Wall] {
+        for (side, clock) in [Clock::Elapsed, Clock::Wall].into_iter().enumerate() {
             let Some(at) = self.manager.classes.next_due(clock) else { continue };
             let ahead = at.saturating_sub(self.now.by(clock));
             if ahead < from_duration(ARMED_AHEAD) || self.manager.shutting_down {
+                continue;
+            }
+            let armed_for = self.manager.armed_for.get_mut(side);
+            if armed_for.is_none_or(|before| before.replace(at) == Some(at)) {
                 continue;
             }
             let most = MOST_ARMED.saturating_sub(self.manager.armed.len());

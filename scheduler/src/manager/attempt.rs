@@ -193,15 +193,12 @@ impl Step<'_> {
     }
 
     /// Whether the occurrence is tried again after a failure; if so it waits.
-    fn restarts(&mut self, index: u32) -> bool {
+    pub(crate) fn restarts(&mut self, index: u32) -> bool {
         let now = self.now;
         let Some(entry) = self.entry_mut(index) else { return false };
         entry.failures = entry.failures.saturating_add(1);
         let Restart::OnFailure { limit, back_off } = entry.task.restart else { return false };
-        if entry.failures > limit {
-            return false;
-        }
-        if self.manager.shutting_down {
+        if entry.failures > limit || entry.removed || self.manager.shutting_down {
             return false;
         }
         let earliest = now.elapsed.saturating_add(from_duration(back_off));

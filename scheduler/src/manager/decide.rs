@@ -8,6 +8,7 @@ impl Step<'_> {
     pub(crate) fn decide(&mut self) {
         loop {
             self.ring_timers();
+            self.bury();
             self.manager.classes.advance(self.now);
             self.walk();
             self.stand_back();

@@ -58,11 +58,28 @@ impl Step<'_> {
         entry.is_none_or(|entry| !entry.is_routine() && !entry.cleans_up)
     }
 
-    /// The task can never run: it is reported, and taken out of the schedule.
+    /// The task can never run: before the next decision it is reported, and
+    /// taken out of the schedule.
     pub(crate) fn never_runs(&mut self, index: u32, why: String) {
+        let Some(position) = self.entry(index).map(|entry| entry.position) else { return };
+        self.manager.doomed.push((index, position, why));
+    }
+
+    fn bury_one(&mut self, index: u32, why: String) {
         let Some(task) = self.entry(index).map(|entry| entry.task.id) else { return };
         self.note(Note::NeverRuns { task, why });
         self.take_out(index);
+    }
+
+    /// Tasks of which it became known that they can never run. One can take
+    /// others with it, in a chain as long as the schedule.
+    pub(crate) fn bury(&mut self) {
+        while let Some((index, position, why)) = self.manager.doomed.pop() {
+            let Some(entry) = self.entry(index) else { continue };
+            if entry.position == position && entry.place != Place::Over {
+                self.bury_one(index, why);
+            }
+        }
     }
 
     /// Takes a task out of the schedule, and with it those that wait for an
@@ -114,27 +131,17 @@ impl Step<'_> {
     }
 
     /// An occurrence has failed or was aborted: the task that cleans up after
-    /// it is due.
+    /// it is due. If it is at work it has to do so once more.
     pub(crate) fn clean_up(&mut self, index: u32) {
         let cleanup = self.entry(index).and_then(|entry| entry.task.cleanup);
         let Some(index) = cleanup.and_then(|id| self.manager.by_id.get(&id).copied()) else {
             return;
         };
-        let now = self.now;
         let Some(entry) = self.entry_mut(index).filter(|entry| entry.cleans_up) else { return };
-        if !entry.is_resting() {
+        if entry.is_resting() {
+            self.begin_cleaning(index);
+        } else {
             entry.next = entry.current.saturating_add(2);
-            return;
-        }
-        entry.next = entry.current.saturating_add(1);
-        entry.attempts = 0;
-        entry.failures = 0;
-        entry.arrival = now.elapsed;
-        entry.due = Point::elapsed(now.elapsed);
-        entry.run = Run::new();
-        entry.told = None;
-        if entry.is_ready() {
-            self.enter(index);
         }
     }
 
@@ -142,15 +149,15 @@ impl Step<'_> {
     /// have come meanwhile.
     pub(crate) fn rest(&mut self, index: u32) {
         let Some(entry) = self.entry_mut(index) else { return };
-        let wanted = entry.next > entry.current.saturating_add(1);
+        let once_more = entry.next > entry.current.saturating_add(1);
         entry.current = entry.current.saturating_add(1);
         entry.next = entry.current;
-        if wanted {
-            self.restart_cleaning(index);
+        if once_more {
+            self.begin_cleaning(index);
         }
     }
 
-    fn restart_cleaning(&mut self, index: u32) {
+    fn begin_cleaning(&mut self, index: u32) {
         let now = self.now;
         let Some(entry) = self.entry_mut(index) else { return };
         entry.next = entry.current.saturating_add(1);
@@ -158,6 +165,7 @@ impl Step<'_> {
         entry.failures = 0;
         entry.arrival = now.elapsed;
         entry.due = Point::elapsed(now.elapsed);
+        entry.run = Run::new();
         entry.told = None;
         if entry.is_ready() {
             self.enter(index);

@@ -98,7 +98,7 @@ impl Step<'_> {
             }
             victims.push(entry.occurrence());
             if let Some(entry) = self.entry_mut(index) {
-                entry.run.taker.get_or_insert(occurrence);
+                entry.run.taker = Some(occurrence);
             }
         }
         victims
@@ -198,6 +198,9 @@ impl Step<'_> {
             let Some(entry) = self.entry_mut(*index) else { continue };
             entry.attempts = entry.attempts.saturating_add(1);
             let attempt = entry.attempt();
+            if attempt.number == 1 {
+                self.spend_dependencies(*index);
+            }
             sync |= !self.disarm(*index);
             self.write(Record::Starting { attempt });
         }

@@ -12,8 +12,15 @@ pub(crate) const WINDOW: &str = "its window closed";
 pub(crate) const CUTOFF: &str = "its cutoff came before it could start";
 
 impl Step<'_> {
-    /// The occurrence of this number becomes the present one.
+    /// The occurrence of this number becomes the present one, and waits.
     pub(crate) fn begin(&mut self, index: u32, number: u64) {
+        self.make_present(index, number);
+        self.seat(index, None);
+    }
+
+    /// The occurrence of this number becomes the present one.
+    pub(crate) fn make_present(&mut self, index: u32, number: u64) {
+        self.disarm(index);
         let Some(entry) = self.entry_mut(index) else { return };
         entry.current = number;
         entry.next = number.saturating_add(1);
@@ -28,20 +35,21 @@ impl Step<'_> {
         let cutoff = entry.cutoff_of(number);
         self.set_timer(index, Kind::Next, next);
         self.set_timer(index, Kind::Cutoff, cutoff);
-        self.seat(index, None);
     }
 
     /// The present occurrence, which has no body, waits for its time or for
     /// what it needs; not before `earliest`.
     pub(crate) fn seat(&mut self, index: u32, earliest: Option<Point>) {
-        let now = self.now;
+        let (now, last) = (self.now, self.manager.last);
         let Some(entry) = self.entry_mut(index) else { return };
-        let Some(window) = entry.window(entry.current, now) else {
+        let window = entry.window(entry.current, now);
+        let Some(window) = window.or_else(|| entry.late_window(entry.current, last, now)) else {
             return self.missed(index, WINDOW);
         };
         entry.place = Place::Away;
         entry.run = Run::new();
-        entry.due = earliest.unwrap_or(window.from);
+        let latest = earliest.into_iter().chain([window.from]).max_by_key(|at| now.until(*at));
+        entry.due = latest.unwrap_or(window.from);
         let closed = window.until.map(|until| until.plus(1));
         if entry.is_ready() {
             self.enter(index);
@@ -98,7 +106,7 @@ impl Step<'_> {
     /// counts.
     pub(crate) fn closed(&mut self, index: u32) {
         let Some(entry) = self.entry(index).filter(|entry| !entry.run.has_body()) else { return };
-        if self.just_opened(entry) {
+        if entry.late_window(entry.current, self.manager.last, self.now).is_some() {
             return self.set_timer_in(index, Kind::Closed, from_duration(LATENESS));
         }
         let has_another = entry.window(entry.current, self.now).is_some();
@@ -108,14 +116,6 @@ impl Step<'_> {
         } else {
             self.missed(index, WINDOW);
         }
-    }
-
-    /// Whether the present occurrence became due since the last step, and its
-    /// window closed within what a host may be late.
-    fn just_opened(&self, entry: &Entry) -> bool {
-        let now = self.now;
-        let is_new = !self.manager.last.has_reached(entry.due) && now.has_reached(entry.due);
-        is_new && now.until(entry.due) >= -from_duration(LATENESS)
     }
 
     /// The latest end of the present occurrence has come.
@@ -209,7 +209,6 @@ impl Step<'_> {
             self.note(Note::Removed(id));
             return self.take_out(index);
         }
-        self.spend_dependencies(index);
         if routine {
             self.settle_dependants(index, outcome, false);
             self.follow(index);
@@ -233,8 +232,10 @@ impl Step<'_> {
 }
 
 impl Entry {
-    /// Whether nothing but time and what it needs keeps it from running.
+    /// Whether nothing but time and what it needs keeps it from running. An
+    /// occurrence depends on others only until its first start.
     pub(crate) fn is_ready(&self) -> bool {
-        !self.held && self.satisfied.iter().all(|satisfied| *satisfied)
+        let depends = || self.satisfied.iter().any(|satisfied| !satisfied);
+        !self.held && (self.has_started() || !depends())
     }
 }

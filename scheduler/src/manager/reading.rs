@@ -32,12 +32,12 @@ impl Step<'_> {
                 measured.battery = percent;
                 measured.battery_low =
                     battery_low.is_some_and(|low| percent.is_some_and(|percent| percent < low));
-                self.relieve(measured_low(self.manager));
+                self.relieve(self.manager.measured.battery_low);
             }
             Reading::Memory(bytes) => {
                 measured.memory = Some(bytes);
                 measured.memory_low = memory_low.is_some_and(|low| bytes < low);
-                self.relieve(measured_low(self.manager));
+                self.relieve(self.manager.measured.memory_low);
             }
             Reading::Storage(bytes) => measured.storage = Some(bytes),
             Reading::Used { attempt, memory } => self.used(attempt, memory),
@@ -48,6 +48,9 @@ impl Step<'_> {
     /// has to stop, the least important one; when it is over, all go on.
     fn relieve(&mut self, is_short: bool) {
         let live = self.manager.live.clone();
+        if !is_short && self.manager.shortage().is_some() {
+            return;
+        }
         if !is_short {
             for index in live {
                 if let Some(entry) = self.entry_mut(index) {
@@ -77,10 +80,6 @@ impl Step<'_> {
             self.fail(index, "it uses more than twice the memory that was estimated");
         }
     }
-}
-
-fn measured_low(manager: &Manager) -> bool {
-    manager.measured.memory_low || manager.measured.battery_low
 }
 
 impl Manager {

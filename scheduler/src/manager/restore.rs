@@ -1,30 +1,139 @@
 //! Going on where a journal ends.
 
+use std::collections::HashSet;
+
 use crate::manager::admit::Admission;
+use crate::manager::entry::Place;
 use crate::manager::point::Present;
 use crate::manager::step::Step;
-use crate::manager::{Restored, RestoredTask};
+use crate::manager::{Attempt, Exit, Note, Record, Restored, RestoredTask};
+use crate::task::{Outcome, TaskId};
+
+/// What the journal says of a task, beside the task.
+#[derive(Clone, Copy, Debug)]
+struct Past {
+    over: bool,
+    ended: Option<(u64, Outcome)>,
+    attempts: u32,
+    interrupted: Option<Attempt>,
+    may_have_started: bool,
+}
 
 impl Step<'_> {
-    /// Puts every task back where it was.
+    /// Puts every task back where it was, and takes a first decision.
+    ///
+    /// What the outcome of a routine task has satisfied, and was not used, is
+    /// not in the journal: who depends on it waits for its next outcome.
     pub(crate) fn restore(&mut self, restored: Restored) {
         self.manager.last = self.now;
+        self.manager.classes.advance(self.now);
         self.manager.next_position = restored.next_position;
-        for task in restored.tasks {
-            self.restore_task(task);
-        }
         for mode in restored.modes {
-            // A mode that the mission has no more cannot be in force.
+            // One that the mission does not have any more is not in force.
             let _ = self.enter_mode(&mode);
         }
+        let cleaning: HashSet<TaskId> =
+            restored.tasks.iter().filter_map(|restored| restored.task.cleanup).collect();
+        let tasks: Vec<_> = restored.tasks.into_iter().map(|task| self.put_back(task)).collect();
+        for (index, _) in &tasks {
+            let id = self.entry(*index).map(|entry| entry.task.id);
+            if id.is_some_and(|id| cleaning.contains(&id)) {
+                self.make_clean_up(*index);
+            }
+            self.depend(*index);
+        }
+        for (index, past) in &tasks {
+            self.go_on_from(*index, *past);
+        }
+        self.decide();
     }
 
-    fn restore_task(&mut self, restored: RestoredTask) {
-        let RestoredTask { task, load, position, accepted, held, .. } = restored;
+    fn put_back(&mut self, restored: RestoredTask) -> (u32, Past) {
+        let RestoredTask { task, load, position, accepted, held, over, ended, .. } = restored;
+        let past = Past {
+            over,
+            ended,
+            attempts: restored.attempts,
+            interrupted: restored.interrupted,
+            may_have_started: restored.may_have_started,
+        };
         let wall = accepted.as_micros();
         let ago = self.now.wall.saturating_sub(wall);
         let accepted = Present { elapsed: self.now.elapsed.saturating_sub(ago), wall };
         let index = self.insert(task, Admission { load, position, accepted, held });
-        self.begin(index, 0);
+        if let Some(entry) = self.entry_mut(index).filter(|_| over) {
+            entry.last = ended.map(|(_, outcome)| outcome);
+            entry.place = Place::Over;
+            self.manager.open = self.manager.open.saturating_sub(1);
+        }
+        (index, past)
+    }
+
+    fn go_on_from(&mut self, index: u32, past: Past) {
+        let Some(entry) = self.entry(index) else { return };
+        if past.over {
+            return;
+        }
+        if let Some(why) = self.manager.can_never_run(entry) {
+            return self.never_runs(index, why);
+        }
+        let first = entry.first_number(entry.accepted);
+        let number = past.ended.map_or(first, |(last, _)| last.saturating_add(1));
+        if !self.look_back(index) {
+            return;
+        }
+        if past.interrupted.is_some() || past.may_have_started || past.attempts > 0 {
+            self.go_on_with(index, number, past);
+        } else if self.entry(index).is_some_and(|entry| entry.cleans_up) {
+            self.rest_at(index, number);
+        } else {
+            self.follow_from(index, number);
+        }
+    }
+
+    /// An occurrence of which attempts began. One that may have begun and is
+    /// not known to have ended has failed.
+    fn go_on_with(&mut self, index: u32, number: u64, past: Past) {
+        let number = past.interrupted.map_or(number, |attempt| attempt.occurrence.number);
+        self.make_present(index, number);
+        let interrupted = past.interrupted.is_some() || past.may_have_started;
+        let Some(entry) = self.entry_mut(index) else { return };
+        entry.attempts = match past.interrupted {
+            Some(attempt) => attempt.number,
+            None => past.attempts.saturating_add(u32::from(past.may_have_started)),
+        };
+        let attempt = entry.attempt();
+        // How many of them failed is not known: none may be tried too often.
+        entry.failures = entry.attempts.saturating_sub(u32::from(interrupted));
+        if !interrupted {
+            return self.seat(index, None);
+        }
+        let outcome = Outcome::Failed;
+        let exit = Exit::Failed("interrupted: the manager ended".into());
+        self.write(Record::Over { attempt, outcome: Some(outcome) });
+        self.note(Note::Over { attempt, exit, outcome });
+        if !self.restarts(index) {
+            self.finish(index, outcome);
+        }
+    }
+
+    fn rest_at(&mut self, index: u32, number: u64) {
+        if let Some(entry) = self.entry_mut(index) {
+            entry.current = number;
+            entry.next = number;
+        }
+    }
+
+    /// No attempt began: what was due while nobody was there is lost, but for
+    /// the last one, if its window is still open.
+    fn follow_from(&mut self, index: u32, number: u64) {
+        if let Some(entry) = self.entry_mut(index) {
+            entry.next = number;
+        }
+        if self.entry(index).is_some_and(super::entry::Entry::is_routine) {
+            self.follow(index);
+        } else {
+            self.begin(index, number);
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::manager::entry::{Entry, Place, Stage};
 use crate::manager::point::{Clock, Point, to_instant, to_wall};
-use crate::manager::{HeldBy, Manager, Needs, Occurrence, State, TaskStatus, WaitsFor};
+use crate::manager::{Manager, Needs, Note, Occurrence, State, TaskStatus, WaitsFor};
 use crate::task::{Outcome, Preemption, Task, TaskId, TaskPriority};
 use crate::time::{Due, Duration};
 
@@ -87,10 +87,9 @@ impl Manager {
         if let Some(after) = unsatisfied.and_then(|number| entry.task.after.get(number)) {
             return WaitsFor::Dependency(after.task);
         }
-        match (entry.place, &entry.told) {
-            (_, Some(told)) => told.clone(),
-            (Place::Live, None) => WaitsFor::HandOver,
-            (_, None) => self.reason_in_class(entry),
+        match entry.place {
+            Place::Live => entry.told.clone().unwrap_or(WaitsFor::HandOver),
+            _ => self.reason_in_class(entry),
         }
     }
 
@@ -98,8 +97,22 @@ impl Manager {
     /// for them.
     fn reason_in_class(&self, entry: &Entry) -> WaitsFor {
         let head = self.classes.head_of(entry.class).and_then(|head| self.entry(head));
-        let told = head.and_then(|head| head.told.clone());
-        told.unwrap_or(WaitsFor::Categories { shared: entry.task.categories, by: HeldBy::Unknown })
+        head.and_then(|head| head.told.clone()).unwrap_or(WaitsFor::Slot)
+    }
+
+    /// Runs of misses that are not over, and so have not been told of.
+    pub fn misses(&self) -> impl Iterator<Item = Note> {
+        let entries = self.order.values().filter_map(|index| self.entry(*index));
+        entries.filter_map(|entry| {
+            let misses = entry.misses.as_ref()?;
+            Some(Note::Missed {
+                task: entry.task.id,
+                first: misses.first,
+                last: misses.last,
+                count: misses.count,
+                why: misses.why.to_owned(),
+            })
+        })
     }
 
     /// Whether no task lives or will become due: a schedule without routine

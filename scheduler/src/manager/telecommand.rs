@@ -4,7 +4,7 @@ use crate::manager::entry::{Place, Stage};
 use crate::manager::step::Step;
 use crate::manager::timers::Kind;
 use crate::manager::{Action, Note, Record, Reply, Telecommand, TelecommandId};
-use crate::task::{Outcome, TaskId, TaskPriority, Window};
+use crate::task::{TaskId, TaskPriority, Window};
 
 impl Step<'_> {
     /// Does it, or refuses; the answer comes when it is in the journal.
@@ -65,8 +65,15 @@ impl Step<'_> {
     /// asks for it stays.
     pub(crate) fn clear(&mut self, all: bool, by: Option<u32>) {
         let indexes: Vec<u32> = self.manager.order.values().copied().collect();
+        let stays = |index: &u32| self.entry(*index).filter(|entry| !all && entry.run.has_body());
+        // Who cleans up after those that stay, stays.
+        let cleaning: Vec<TaskId> =
+            indexes.iter().filter_map(stays).filter_map(|entry| entry.task.cleanup).collect();
         for index in indexes {
             let Some(entry) = self.entry_mut(index) else { continue };
+            if entry.is_resting() && cleaning.contains(&entry.task.id) {
+                continue;
+            }
             if Some(index) == by {
                 entry.removed = entry.is_routine();
             } else if all || !entry.run.has_body() {
@@ -164,8 +171,6 @@ impl Step<'_> {
             let Some(entry) = self.entry(index) else { continue };
             if entry.run.has_body() {
                 self.abort(index, "the manager is shut down");
-            } else if entry.attempts > 0 {
-                self.finish(index, Outcome::Aborted);
             } else {
                 self.unseat(index);
                 self.seat(index, None);

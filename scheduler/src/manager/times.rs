@@ -1,6 +1,7 @@
 //! When occurrences are due, and when their windows are open.
 
 use crate::manager::entry::Entry;
+use crate::manager::limits::LATENESS;
 use crate::manager::point::{Micros, Point, Present, from_duration};
 use crate::task::When;
 
@@ -40,6 +41,20 @@ impl Entry {
         windows
             .filter(|window| !has_closed(window))
             .min_by_key(|window| now.until(window.from).max(0))
+    }
+
+    /// A window that opened since the last step and has closed already, within
+    /// what a host may be late: the manager was, and not the task.
+    pub(crate) fn late_window(&self, number: u64, last: Present, now: Present) -> Option<Open> {
+        let shift = self.shift(number);
+        let mut windows = self.task.windows.iter().map(|window| Open {
+            from: self.point(window.opens, shift).unwrap_or_else(|| self.due_of(number)),
+            until: self.point(window.closes, shift),
+        });
+        windows.find(|window| {
+            let ago = now.until(window.from).saturating_neg();
+            !last.has_reached(window.from) && (0..=from_duration(LATENESS)).contains(&ago)
+        })
     }
 
     /// The latest end of an occurrence.

@@ -93,9 +93,6 @@ impl Step<'_> {
                 }
             } else if entry.keeps_memory() {
                 walk.ledger.reserve(&demand);
-            } else if matches!(entry.run.asked, Asked::Blocked(_)) {
-                walk.requests += 1;
-                walk.slots += 1;
             }
         }
         walk
@@ -129,7 +126,11 @@ impl Step<'_> {
         let demand = self.manager.classes.demand(entry.class);
         let part = if entry.keeps_memory() { Part::Running } else { Part::All };
         let idle = entry.run.stage == Stage::Idle;
+        let granted = entry.run.asked == Asked::Granted;
         let id = entry.task.id;
+        if matches!(entry.run.asked, Asked::Blocked(_)) {
+            return walk.leave_to_the_agents(id, demand);
+        }
         let objection = self.objection(entry);
         let held_back = objection.is_some();
         let obstacle = objection
@@ -137,6 +138,7 @@ impl Step<'_> {
             .or_else(|| self.does_not_fit(walk, &demand, part));
         if obstacle.is_none() {
             walk.give(id, &demand, part, idle);
+            walk.requests += usize::from(idle && !granted);
         } else if !held_back {
             walk.waiting.push((id, demand));
         }
@@ -169,6 +171,7 @@ impl Step<'_> {
             return true;
         }
         walk.give(id, &demand, Part::All, true);
+        walk.requests += 1;
         self.enlist(head.task);
         true
     }
@@ -225,10 +228,17 @@ impl Walk {
         self.holders.push((id, demand.clone()));
         self.slots += 1;
         if starts {
-            self.requests += 1;
             self.starting.0 = self.starting.0.saturating_add(demand.memory);
             self.starting.1 = self.starting.1.saturating_add(demand.storage);
         }
+    }
+
+    /// It waits at the agents for something outside: others need not wait for
+    /// it meanwhile, but must not starve it.
+    fn leave_to_the_agents(&mut self, id: TaskId, demand: Arc<Demand>) {
+        self.waiting.push((id, demand));
+        self.slots += 1;
+        self.requests += 1;
     }
 
     /// A task that cannot be pre-empted would keep somebody more important,
@@ -240,15 +250,11 @@ impl Walk {
 }
 
 impl Entry {
-    /// Whether a live occurrence wants to run, and is not at the mercy of
-    /// somebody outside.
+    /// Whether a live occurrence wants to run.
     fn is_candidate(&self) -> bool {
         match &self.run.stage {
-            Stage::Idle | Stage::Paused => !matches!(self.run.asked, Asked::Blocked(_)),
-            Stage::Running => true,
-            Stage::Stopping { then, .. } => {
-                *then == Then::Again && !matches!(self.run.asked, Asked::Blocked(_))
-            }
+            Stage::Idle | Stage::Paused | Stage::Running => true,
+            Stage::Stopping { then, .. } => *then == Then::Again,
             Stage::Runaway(_) => false,
         }
     }
