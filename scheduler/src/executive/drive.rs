@@ -211,11 +211,15 @@ impl Driver {
             Action::Relinquish { occurrence } => ports.tickets.relinquish(occurrence, now),
             Action::Start { attempt } => {
                 if let Some(task) = self.manager.task(attempt.occurrence.task) {
+                    ports.tickets.started(attempt, now);
                     ports.bodies.start(StartBody { attempt, task, now });
                 }
             }
             Action::Stop { attempt, how, why } => ports.bodies.stop(attempt, how, &why, now),
-            Action::Continue { attempt } => ports.bodies.resume(attempt, now),
+            Action::Continue { attempt } => {
+                ports.tickets.started(attempt, now);
+                ports.bodies.resume(attempt, now);
+            }
             Action::Load { attempt, path } => {
                 if let Some(file) = ports.outside.load(attempt, &path) {
                     self.loaded(attempt, file);

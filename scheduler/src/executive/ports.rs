@@ -45,6 +45,12 @@ pub trait TicketPort {
     /// request, and is granted again in its turn without asking.
     fn request(&mut self, occurrence: Occurrence, needs: &Needs, victims: &[Occurrence], now: Now);
 
+    /// A body is about to run: it is started, or let go on. From now on the
+    /// commands of this attempt count, and of no other one of the occurrence.
+    fn started(&mut self, attempt: Attempt, now: Now) {
+        let _ = (attempt, now);
+    }
+
     /// The body of an occurrence whose tickets were taken stands still, or has
     /// exited: what it drew can be credited.
     fn stopped(&mut self, occurrence: Occurrence, now: Now);
