@@ -14,7 +14,7 @@ use crate::time::Now;
 
 /// One way in from outside. All calls are made by the manager's thread and
 /// return at once; when something was asked, the link rings the manager's bell.
-pub trait Link {
+pub trait Link: Send {
     /// What was asked since.
     fn poll(&mut self, now: Now, asked: &mut Vec<Asked>);
 
