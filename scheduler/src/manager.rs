@@ -35,6 +35,7 @@ mod tickets;
 mod timers;
 mod times;
 mod treap;
+mod untold;
 mod walk;
 mod words;
 
