@@ -46,7 +46,7 @@ pub enum Rows {
 
 const WIDTH: f64 = 1_100.0;
 /// Where the scale begins and ends.
-const LEFT: f64 = 212.0;
+const LEFT: f64 = 236.0;
 const RIGHT: f64 = WIDTH - 26.0;
 const MARGIN: f64 = 18.0;
 /// The title, what is said below it, and the legend.

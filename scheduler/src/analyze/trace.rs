@@ -6,7 +6,8 @@ use crate::analyze::track::Track;
 use crate::analyze::{Failed, Options, Surroundings};
 use crate::executive::{Conduct, LoadedFile, Outside, Stuck, VirtualBodies, VirtualExecutive};
 use crate::manager::{
-    Addition, Attempt, Event, HeldBy, Note, Reading, Reply, Telecommand, TelecommandId, WaitsFor,
+    Addition, Attempt, Event, HeldBy, Note, Reading, Reply, State, Telecommand, TelecommandId,
+    WaitsFor,
 };
 use crate::mission::Mission;
 use crate::task::{Task, TaskId};
@@ -67,7 +68,25 @@ pub(super) fn trace(
     let limit = options.horizon.or_else(|| tasks.iter().any(is_routine).then_some(A_DAY));
     let ran = run(&mut executive, limit);
     let reached = executive.now().elapsed.since(Instant::START);
+    let untold: Vec<_> = executive.manager().untold().collect();
+    let now = executive.now();
+    untold.iter().for_each(|note| executive.outside().note(now, note));
     executive.into_outside().finish(limit, reached, ran)
+}
+
+/// What the manager tells only when it is asked: misses that go on, and what is
+/// waited for at the horizon.
+fn tell_the_rest(executive: &mut VirtualExecutive<Recorder<'_>>) {
+    let now = executive.now();
+    let misses = executive.manager().untold();
+    let waiting = executive.manager().status().filter_map(|status| match status.state {
+        State::Waiting(waits_for) => Some(Note::Waits { occurrence: status.occurrence, waits_for }),
+        _ => None,
+    });
+    let notes: Vec<_> = misses.chain(waiting).collect();
+    for note in notes {
+        executive.outside().note(now, &note);
+    }
 }
 
 fn is_routine(task: &Task) -> bool {
@@ -170,8 +189,7 @@ impl Trace {
     }
 
     /// Finds a reason for waits of which nothing was told: the manager tells of
-    /// the most important ones only. Somebody who had the same left off at the
-    /// instant at which the wait was over.
+    /// the most important ones only.
     pub(super) fn explain(&mut self) {
         let mut left_off: HashMap<Duration, Vec<usize>> = HashMap::new();
         for (index, track) in self.tracks.iter().enumerate() {
@@ -180,30 +198,43 @@ impl Trace {
                 left_off.entry(until.saturating_add(track.task.gap)).or_default().push(index);
             }
         }
-        for index in 0..self.tracks.len() {
-            let reason = self.explanation(index, &left_off);
-            if let Some((track, reason)) = self.tracks.get_mut(index).zip(reason) {
-                track.reasons.push(reason);
-            }
+        let found = self.tracks.iter().enumerate().filter_map(|(index, track)| {
+            let longest =
+                track.waits.iter().max_by_key(|(from, until)| until.saturating_sub(*from));
+            let (from, until) = *longest?;
+            let waits_for = self.prior_of(track, from, until).or_else(|| {
+                let others = left_off.get(&until).filter(|_| track.reasons.is_empty())?;
+                self.blocker_of(track, others)
+            });
+            Some((index, from, until, waits_for?))
+        });
+        let found: Vec<_> = found.collect();
+        for (index, from, until, waits_for) in found {
+            let Some(track) = self.tracks.get_mut(index) else { continue };
+            track.reasons.push((format!("waited for {waits_for}"), until.saturating_sub(from)));
+            self.waits.push(Wait { task: track.task.id, at: from, waits_for });
         }
     }
 
-    fn explanation(
-        &self,
-        index: usize,
-        left_off: &HashMap<Duration, Vec<usize>>,
-    ) -> Option<(String, Duration)> {
-        let track = self.tracks.get(index).filter(|track| track.reasons.is_empty())?;
-        let (from, until) =
-            track.waits.iter().max_by_key(|(from, until)| until.saturating_sub(*from))?;
-        let mut others = left_off.get(until)?.iter().filter_map(|other| self.tracks.get(*other));
+    /// The one of its priors that ended last before the wait was over.
+    fn prior_of(&self, track: &Track, from: Duration, until: Duration) -> Option<WaitsFor> {
+        let ends = track.task.after.iter().filter_map(|dependency| {
+            let runs = self.track(dependency.task)?.runs.iter();
+            let ends = runs.filter_map(|run| run.end).filter(|end| from < *end && *end <= until);
+            Some((ends.max()?, dependency.task))
+        });
+        ends.max().map(|(_, prior)| WaitsFor::Dependency(prior))
+    }
+
+    /// Somebody who had the same, and left off at the instant at which the wait
+    /// was over.
+    fn blocker_of(&self, track: &Track, others: &[usize]) -> Option<WaitsFor> {
+        let mut others = others.iter().filter_map(|other| self.tracks.get(*other));
         let other = others.find(|other| {
             other.task.id != track.task.id && other.task.categories.overlaps(track.task.categories)
         })?;
         let shared = other.task.categories.shared(track.task.categories);
-        let by = HeldBy::Task(other.task.id);
-        let reason = format!("waited for {}", WaitsFor::Categories { shared, by });
-        Some((reason, until.saturating_sub(*from)))
+        Some(WaitsFor::Categories { shared, by: HeldBy::Task(other.task.id) })
     }
 }
 

@@ -124,7 +124,7 @@ impl Track {
         if let Some(from) = again.or(first).filter(|from| *from < now) {
             self.waits.push((from, now));
         }
-        self.seen = Some(attempt.occurrence.number);
+        self.seen = self.seen.max(Some(attempt.occurrence.number));
         self.ended = false;
         self.runs.push(Run {
             start: now,
@@ -192,23 +192,38 @@ impl Track {
         self.ended = true;
     }
 
-    /// Occurrences that were missed: each waited while its window was open.
+    /// Occurrences that were missed, which is told when the last of them is
+    /// long over: each waited while its window was open and it was the present
+    /// one.
     pub(super) fn missed(&mut self, first: u64, last: u64, why: &str, now: Duration) {
-        self.missed_because.get_or_insert_with(|| why.to_owned());
         self.settle_reason(now);
-        self.ended = true;
-        let again = self.since.take();
+        self.missed_because.get_or_insert_with(|| why.to_owned());
+        let again = self.since.filter(|_| self.seen == Some(first));
         for occurrence in first..=last {
             let due = again.filter(|_| occurrence == first).unwrap_or(self.due(occurrence));
-            let closes = self.windows(occurrence).filter_map(|(_, closes)| closes).max();
-            let next = self.task.interval.map(|_| self.due(occurrence.saturating_add(1)));
-            let until = closes.into_iter().chain(next).min().unwrap_or(now).min(now);
+            let until = self.lost_at(occurrence, now).max(due);
             if due < until {
                 self.waits.push((due, until));
             }
-            self.misses.push(until.max(due));
+            self.misses.push(until);
         }
-        self.seen = Some(last);
+        if again.is_some() {
+            self.since = None;
+        }
+        self.ended = true;
+        self.seen = self.seen.max(Some(last));
+    }
+
+    /// When it was known that this occurrence will not run.
+    fn lost_at(&self, occurrence: u64, now: Duration) -> Duration {
+        let due = self.due(occurrence);
+        let is_busy = |run: &Run| run.start < due && run.end.is_none_or(|end| end > due);
+        if self.runs.iter().rev().any(is_busy) {
+            return due;
+        }
+        let closes = self.windows(occurrence).filter_map(|(_, closes)| closes).max();
+        let next = self.task.interval.map(|_| self.due(occurrence.saturating_add(1)));
+        closes.into_iter().chain(next).chain([now]).min().unwrap_or(now)
     }
 
     /// What was due and did not run at the horizon, and what still ran. Where

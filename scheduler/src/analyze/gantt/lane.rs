@@ -4,7 +4,8 @@ use svg::node::element::Group;
 
 use crate::analyze::gantt::dense::{is_crowded, stretches};
 use crate::analyze::gantt::pen::{
-    BAD, GREY, RUN, RUN_EDGE, TONES, WAIT, WINDOW, WINDOW_EDGE, bar, cross, length, line, text, tip,
+    BAD, GREY, RUN, RUN_EDGE, TONES, WAIT, WINDOW, WINDOW_EDGE, bar, cross, head, length, line,
+    text, tip,
 };
 use crate::analyze::gantt::rows::{Bar, Lane, Span};
 use crate::analyze::gantt::scale::Scale;
@@ -121,21 +122,31 @@ fn runs(group: Group, lane: &Lane, place: Place, scale: &Scale) -> Group {
 }
 
 fn piece(run: &Bar, mixed: bool, span: (f64, f64), (top, height): (f64, f64)) -> Group {
-    let bad = run.last && matches!(run.outcome, RunOutcome::Failed | RunOutcome::Aborted);
-    let tone = TONES.get(run.task % TONES.len()).filter(|_| mixed);
-    let shape = bar(span, top, height, tone.map_or(RUN, |tone| *tone)).set("rx", 1);
-    let mut group = Group::new().add(tip(&run.tip)).add(shape);
-    if bad || (run.last && run.outcome == RunOutcome::Preempted) {
-        let colour = if bad { BAD } else { WAIT };
-        let end = bar((span.1 - 3.0, span.1), top - 2.0, height + 4.0, colour);
-        group = group.add(end);
+    let colour = colour(run, mixed);
+    let shape = bar(span, top, height, colour).set("rx", 1);
+    let group = end(Group::new().add(tip(&run.tip)).add(shape), run, span.1, (top, height));
+    if span.1 - span.0 <= length(&run.words) + 6.0 || height <= 9.0 {
+        return group;
     }
-    if span.1 - span.0 > length(&run.words) + 6.0 && height > 9.0 {
-        let words = text((span.0 + span.1) / 2.0, top + height / 2.0 + 3.6, &run.words);
-        let words = words.set("text-anchor", "middle").set("fill", "white").set("font-size", 10);
-        group = group.add(words);
-    }
-    group
+    let words = text((span.0 + span.1) / 2.0, top + height / 2.0 + 3.6, &run.words);
+    group.add(words.set("text-anchor", "middle").set("fill", "white").set("font-size", 10))
+}
+
+/// Neighbours of several tasks differ in tone.
+fn colour(run: &Bar, mixed: bool) -> &'static str {
+    TONES.get(run.task % TONES.len()).filter(|_| mixed).map_or(RUN, |tone| *tone)
+}
+
+/// How the run ends, unless it succeeds.
+fn end(group: Group, run: &Bar, x: f64, (top, height): (f64, f64)) -> Group {
+    let colour = match run.outcome {
+        _ if !run.last => return group,
+        RunOutcome::Succeeded => return group,
+        RunOutcome::Unfinished => return group.add(head(x, top, height, RUN)),
+        RunOutcome::Failed | RunOutcome::Aborted => BAD,
+        RunOutcome::Preempted => WAIT,
+    };
+    group.add(bar((x - 3.0, x), top - 2.0, height + 4.0, colour))
 }
 
 /// Crosses that would lie on each other are one.

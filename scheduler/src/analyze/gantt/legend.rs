@@ -48,7 +48,7 @@ fn sample(lane: &Lane, x: f64, middle: f64) -> Group {
 
 type Sign = (&'static str, Lane, fn(&Lane) -> bool);
 
-fn signs() -> [Sign; 8] {
+fn signs() -> [Sign; 9] {
     let at = Duration::from_secs;
     let whole = (at(0), at(10));
     let run = |outcome| Lane { runs: vec![piece(outcome)], ..Lane::default() };
@@ -65,6 +65,7 @@ fn signs() -> [Sign; 8] {
         ("failed or ended", run(RunOutcome::Failed), |lane| {
             ends_with(lane, &[RunOutcome::Failed, RunOutcome::Aborted])
         }),
+        ("goes on", run(RunOutcome::Unfinished), |lane| ends_with(lane, &[RunOutcome::Unfinished])),
         ("gap", Lane { gaps: vec![whole], ..Lane::default() }, |lane| !lane.gaps.is_empty()),
         ("missed", Lane { misses: vec![at(5)], ..Lane::default() }, |lane| !lane.misses.is_empty()),
     ]
@@ -76,5 +77,5 @@ fn piece(outcome: RunOutcome) -> Bar {
 }
 
 fn ends_with(lane: &Lane, outcomes: &[RunOutcome]) -> bool {
-    lane.runs.iter().any(|bar| outcomes.contains(&bar.outcome))
+    lane.runs.iter().any(|bar| bar.last && outcomes.contains(&bar.outcome))
 }

@@ -85,6 +85,16 @@ pub(super) fn cross(x: f64, y: f64) -> Path {
     Path::new().set("d", data).set("stroke", BAD).set("stroke-width", 2).set("fill", "none")
 }
 
+/// A run that goes on beyond the picture: its head.
+pub(super) fn head(x: f64, top: f64, height: f64, colour: &str) -> Path {
+    let data = Data::new()
+        .move_to((tenth(x), tenth(top - 1.5)))
+        .line_by((6.0, tenth(height / 2.0 + 1.5)))
+        .line_by((-6.0, tenth(height / 2.0 + 1.5)))
+        .close();
+    Path::new().set("d", data).set("fill", colour)
+}
+
 /// What a bar that stands still is filled with.
 pub(super) fn hatch() -> Pattern {
     let stroke = line((0.0, 0.0), (0.0, 5.0), RUN).set("stroke-width", 2.4);
