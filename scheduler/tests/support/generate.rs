@@ -15,18 +15,18 @@ use proptest::prelude::*;
 use super::{Told, id};
 
 /// Durations and intervals are multiples of this.
-pub const UNIT: Duration = Duration::from_millis(50);
+pub(crate) const UNIT: Duration = Duration::from_millis(50);
 
 /// Each task is due so far off the units, times its number: a run that began
 /// when its task was due does not end when another task is due.
 const OFF: Duration = Duration::from_millis(6);
 
 /// Tasks of one schedule, at most: so many have places of their own in a unit.
-pub const MOST: usize = 8;
+pub(crate) const MOST: usize = 8;
 
 /// What is drawn for one task, in units.
 #[derive(Clone, Copy, Debug)]
-pub struct Drawn {
+pub(crate) struct Drawn {
     due: u64,
     takes: u64,
     window: Option<u64>,
@@ -58,11 +58,11 @@ fn drawn() -> impl Strategy<Value = Drawn> {
 
 /// A schedule of up to so many tasks, which is over a few seconds after its
 /// load if its routine tasks are let run no longer.
-pub fn schedule(most: usize) -> impl Strategy<Value = Vec<Task>> {
+pub(crate) fn schedule(most: usize) -> impl Strategy<Value = Vec<Task>> {
     proptest::collection::vec(drawn(), 1..=most.min(MOST)).prop_map(|all| tasks(&all))
 }
 
-pub fn tasks(all: &[Drawn]) -> Vec<Task> {
+pub(crate) fn tasks(all: &[Drawn]) -> Vec<Task> {
     let tasks = all.iter().enumerate();
     tasks.map(|(place, drawn)| task(place, drawn, all)).collect()
 }
@@ -73,7 +73,8 @@ fn number(place: usize) -> u32 {
 
 fn task(place: usize, drawn: &Drawn, all: &[Drawn]) -> Task {
     let takes = UNIT.saturating_mul(drawn.takes);
-    let seconds = format!("{}.{:02}", takes.as_micros() / 1_000_000, takes.as_micros() / 10_000 % 100);
+    let seconds =
+        format!("{}.{:02}", takes.as_micros() / 1_000_000, takes.as_micros() / 10_000 % 100);
     let body = Body::Process { program: "sleep".into(), arguments: vec![seconds] };
     let mut task = Task::new(id(number(place)), body);
     let off = OFF.saturating_mul(u64::from(number(place)));
@@ -95,12 +96,15 @@ fn task(place: usize, drawn: &Drawn, all: &[Drawn]) -> Task {
     };
     // Only on earlier tasks: no cycles.
     let prior = drawn.after.filter(|prior| *prior < place.min(all.len()));
-    task.after = prior.map(|prior| Dependency { task: id(number(prior)), status: Status::Finished }).into_iter().collect();
+    task.after = prior
+        .map(|prior| Dependency { task: id(number(prior)), status: Status::Finished })
+        .into_iter()
+        .collect();
     task
 }
 
 /// What the manager tells of these tasks until then.
-pub fn told(tasks: &[Task], mission: &Mission, until: Instant) -> Vec<(Instant, Note)> {
+pub(crate) fn told(tasks: &[Task], mission: &Mission, until: Instant) -> Vec<(Instant, Note)> {
     let bodies = VirtualBodies::as_expected();
     let mut executive =
         VirtualExecutive::new(mission.clone(), UnixTime::from_secs(0), bodies, Told::default());
@@ -113,7 +117,7 @@ pub fn told(tasks: &[Task], mission: &Mission, until: Instant) -> Vec<(Instant, 
 
 /// Whether ends are so far from each other, and from everything that is due by
 /// the clock, that no host can mix up their order.
-pub fn is_clear(tasks: &[Task], mission: &Mission, until: Instant, apart: Duration) -> bool {
+pub(crate) fn is_clear(tasks: &[Task], mission: &Mission, until: Instant, apart: Duration) -> bool {
     let told = told(tasks, mission, until);
     let ends = told.iter().filter(|(_, note)| matches!(note, Note::Over { .. }));
     let mut ends: Vec<_> = ends.map(|(at, _)| *at).collect();
@@ -134,7 +138,9 @@ fn by_the_clock(task: &Task, until: Instant) -> Vec<Instant> {
     let occurrences = if task.interval.is_some() { 10_000 } else { 1 };
     let interval = task.interval.unwrap_or(Duration::ZERO);
     let all = points.flat_map(|point| {
-        (0..occurrences).map(move |k| point.after(interval.saturating_mul(k))).take_while(|at| *at <= until)
+        (0..occurrences)
+            .map(move |k| point.after(interval.saturating_mul(k)))
+            .take_while(|at| *at <= until)
     });
     all.collect()
 }

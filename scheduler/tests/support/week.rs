@@ -32,18 +32,18 @@ struct Activity {
 }
 
 /// How many activities are planned.
-pub const PLANNED: usize = 7_800;
+pub(crate) const PLANNED: usize = 7_800;
 
-pub fn mission() -> Mission {
+pub(crate) fn mission() -> Mission {
     Mission {
-        agents: vec![AgentSpec { name: "bus".into(), supply: Some(Milliwatts::from_watts(60)) }],
+        agents: vec![AgentSpec { name: "bus".into(), supply: Some(Milliwatts::from_watts(45)) }],
         ..Mission::default()
     }
 }
 
 /// Twelve scenes of six activities each orbit, four passes over ground stations
 /// each orbit, and what is left is housekeeping.
-pub fn tasks() -> Vec<Task> {
+pub(crate) fn tasks() -> Vec<Task> {
     let scenes = (0..ORBITS).flat_map(|orbit| {
         (0..SCENES).flat_map(move |scene| {
             let begins = orbit * ORBIT + 120 + scene * 440;
@@ -58,7 +58,7 @@ pub fn tasks() -> Vec<Task> {
 }
 
 const DOWNLINK: Activity =
-    Activity { name: "downlink", after: 0, takes: 480, mask: 0b1_0000, priority: 60, draw: 18 };
+    Activity { name: "downlink", after: 0, takes: 480, mask: 0b1_0001, priority: 60, draw: 18 };
 const KEEPING: Activity =
     Activity { name: "housekeeping", after: 0, takes: 30, mask: 0b1000, priority: 5, draw: 4 };
 
@@ -79,4 +79,4 @@ impl Activity {
 }
 
 /// The week is over then.
-pub const ENDS: Duration = s(7 * 86_400);
+pub(crate) const ENDS: Duration = s(7 * 86_400);
