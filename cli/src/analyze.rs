@@ -5,7 +5,7 @@ mod text;
 use std::fs;
 use std::time::{Duration as StdDuration, Instant as StdInstant};
 
-use faregate_scheduler::analyze::{self, Analysis, Options, Surroundings};
+use faregate_scheduler::analyze::{self, Analysis, Look, Options, Surroundings};
 use faregate_scheduler::executive::LoadedFile;
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -41,7 +41,7 @@ pub(crate) fn analyze(args: &AnalyzeArgs) -> Result<Exit, Failure> {
 }
 
 fn picture(schedule: &Schedule, analysis: &Analysis) -> String {
-    String::new()
+    analyze::gantt(analysis, &Look { title: schedule.title(), ..Look::default() })
 }
 
 /// Reads what tasks load, and shows how far the samples are when they take

@@ -20,6 +20,7 @@ mod out;
 mod report;
 mod run;
 mod schedule;
+mod simulation;
 mod times;
 
 use std::process::ExitCode;

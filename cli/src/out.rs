@@ -7,8 +7,7 @@ use std::fmt::Display;
 use std::io::{self, Write};
 
 use anstyle::{AnsiColor, Style};
-use comfy_table::presets::UTF8_HORIZONTAL_ONLY;
-use comfy_table::{Attribute, Cell, Color, ContentArrangement, Table};
+use comfy_table::{Attribute, Cell, Color, ContentArrangement, LineStyle, Table, TableStyle};
 use serde::Serialize;
 
 /// A line on standard output.
@@ -40,13 +39,16 @@ pub(crate) fn complain(text: impl Display) {
     let _ = writeln!(anstream::stderr(), "{text}");
 }
 
+/// A line under the header, and around the rows.
+const RULED: TableStyle =
+    TableStyle::new().top_border(RULE).header_separator(RULE).bottom_border(RULE);
+
+const RULE: LineStyle = LineStyle::none().fill('─').junction('─');
+
 /// A table that fits the terminal.
 pub(crate) fn table(header: &[&str]) -> Table {
     let mut table = Table::new();
-    table
-        .load_style(UTF8_HORIZONTAL_ONLY)
-        .set_content_arrangement(ContentArrangement::Dynamic)
-        .set_header(header);
+    table.load_style(RULED).set_content_arrangement(ContentArrangement::Dynamic).set_header(header);
     table
 }
 

@@ -10,7 +10,7 @@ use faregate_scheduler::task::Task;
 
 use crate::args::{ConflictColumn, FilesArgs};
 use crate::exit::{Exit, Failure};
-use crate::report;
+use crate::{report, simulation};
 
 /// What was read.
 #[derive(Debug)]
@@ -82,68 +82,115 @@ pub(crate) fn read(args: &FilesArgs) -> Result<Schedule, Failure> {
 
 /// Reads the files, and gathers everything that is to be said of them.
 pub(crate) fn examine(args: &FilesArgs) -> Result<Examined, Failure> {
-    let mut sources =
+    let sources =
         args.files.iter().map(|path| Source::open(path)).collect::<Result<Vec<_>, _>>()?;
-    let (given, mut diagnostics) = match &args.mission {
-        Some(path) => given(path, &mut sources)?,
-        None => (None, Vec::new()),
-    };
-    // The mission may be in one of several files; the others are then judged
-    // against it.
-    let files = args.files.len();
-    let owner =
-        if given.is_some() { None } else { sources.iter().position(|it| it.mission().is_some()) };
-    let found = owner.and_then(|owner| sources.get(owner)?.mission());
-    let mission = given.or(found).unwrap_or_default();
+    let mut examined = Examined { schedule: None, diagnostics: Vec::new(), sources };
+    let brought = mission(args, &mut examined)?;
+    let conflict = args.conflict.into();
+    let files = examined.sources.iter().take(args.files.len());
     let mut tasks = Vec::new();
-    for (index, source) in sources.iter().take(files).enumerate() {
-        let against = if owner == Some(index) { Against::Own } else { Against::Mission(&mission) };
+    for (index, source) in files.clone().enumerate() {
         let options = Options {
-            conflict: args.conflict.into(),
-            against: if args.mission.is_none() && owner.is_none() { Against::Own } else { against },
-            whole: files == 1,
+            conflict,
+            against: brought.against(index),
+            whole: args.files.len() == 1,
             ..Options::default()
         };
         match format::read_with(options, &source.name, &source.bytes) {
             Ok(mut loaded) => {
-                diagnostics.append(&mut loaded.warnings);
+                examined.diagnostics.append(&mut loaded.warnings);
                 tasks.append(&mut loaded.tasks);
             }
-            Err(mut wrong) => diagnostics.append(&mut wrong),
+            Err(mut wrong) => examined.diagnostics.append(&mut wrong),
         }
     }
-    let failed = diagnostics.iter().any(Diagnostic::is_error);
-    let schedule = (!failed).then(|| Schedule {
-        tasks,
-        loader: Loader { conflict: args.conflict.into(), mission: mission.clone() },
-        mission,
-        names: sources.iter().take(files).map(|source| source.name.clone()).collect(),
-    });
-    Ok(Examined { schedule, diagnostics, sources })
+    if !examined.diagnostics.iter().any(Diagnostic::is_error) {
+        let names = files.map(|source| source.name.clone()).collect();
+        let mut mission = brought.mission;
+        simulation::complete(&mut mission);
+        let loader = Loader { conflict, mission: mission.clone() };
+        examined.schedule = Some(Schedule { tasks, mission, loader, names });
+    }
+    Ok(examined)
+}
+
+/// The mission, and which file brought it.
+struct Brought {
+    mission: Mission,
+    by: Bringer,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Bringer {
+    /// No file: it is the default one.
+    Nobody,
+    /// One of the schedules. The others are judged against its mission.
+    File(usize),
+    /// A file of its own.
+    Itself,
+}
+
+impl Brought {
+    /// What a schedule is judged against.
+    fn against(&self, index: usize) -> Against<'_> {
+        match self.by {
+            Bringer::Nobody => Against::Own,
+            Bringer::File(owner) if owner == index => Against::Own,
+            Bringer::File(_) | Bringer::Itself => Against::Mission(&self.mission),
+        }
+    }
+}
+
+/// Looks for the mission, and judges its devices.
+fn mission(args: &FilesArgs, examined: &mut Examined) -> Result<Brought, Failure> {
+    let brought = match &args.mission {
+        Some(path) => given(path, examined)?,
+        None => found(&examined.sources),
+    };
+    let file = match brought.by {
+        Bringer::Nobody => None,
+        Bringer::File(owner) => examined.sources.get(owner),
+        Bringer::Itself => examined.sources.last(),
+    };
+    if let Some(file) = file {
+        examined.diagnostics.extend(simulation::doubts(&brought.mission, &file.name));
+    }
+    Ok(brought)
+}
+
+/// The mission in one of the schedules.
+fn found(sources: &[Source]) -> Brought {
+    let missions = sources.iter().enumerate();
+    let first = missions.filter_map(|(index, source)| Some((index, source.mission()?))).next();
+    match first {
+        Some((owner, mission)) => Brought { mission, by: Bringer::File(owner) },
+        None => Brought { mission: Mission::default(), by: Bringer::Nobody },
+    }
 }
 
 /// The mission that was given by itself.
-fn given(
-    path: &Path,
-    sources: &mut Vec<Source>,
-) -> Result<(Option<Mission>, Vec<Diagnostic>), Failure> {
+fn given(path: &Path, examined: &mut Examined) -> Result<Brought, Failure> {
     let source = Source::open(path)?;
     let read = format::read(&source.name, &source.bytes);
-    let read = match read {
-        Ok(loaded) if loaded.mission.is_none() => {
-            return Err(Failure::failed(format!("{} has no [mission]", source.name)));
+    let name = source.name.clone();
+    examined.sources.push(source);
+    let loaded = match read {
+        Ok(loaded) => loaded,
+        Err(mut wrong) => {
+            examined.diagnostics.append(&mut wrong);
+            return Ok(Brought { mission: Mission::default(), by: Bringer::Itself });
         }
-        Ok(loaded) if !loaded.tasks.is_empty() => {
-            return Err(Failure::failed(format!(
-                "{} has tasks, too: name it among the schedules, without --mission",
-                source.name
-            )));
-        }
-        Ok(loaded) => (loaded.mission, loaded.warnings),
-        Err(wrong) => (Some(Mission::default()), wrong),
     };
-    sources.push(source);
-    Ok(read)
+    examined.diagnostics.extend(loaded.warnings);
+    if !loaded.tasks.is_empty() {
+        return Err(Failure::failed(format!(
+            "{name} has tasks, too: name it among the schedules, without --mission"
+        )));
+    }
+    match loaded.mission {
+        Some(mission) => Ok(Brought { mission, by: Bringer::Itself }),
+        None => Err(Failure::failed(format!("{name} has no [mission]"))),
+    }
 }
 
 impl Schedule {

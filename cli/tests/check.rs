@@ -22,10 +22,15 @@ fn programs_are_told_the_same() {
     let found = said.json();
     assert_eq!(found["errors"], 7);
     assert!(found["tasks"].is_null(), "nothing is loaded");
-    let places: Vec<_> = found["diagnostics"].as_array().unwrap().iter().map(|one| {
-        assert!(one["message"].is_string() && one["column"].as_u64().unwrap() >= 1, "{one}");
-        one["line"].as_u64().unwrap()
-    }).collect();
+    let places: Vec<_> = found["diagnostics"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|one| {
+            assert!(one["message"].is_string() && one["column"].as_u64().unwrap() >= 1, "{one}");
+            one["line"].as_u64().unwrap()
+        })
+        .collect();
     assert_eq!(places, [3, 4, 5, 6, 7, 8, 9]);
 }
 

@@ -39,7 +39,7 @@ pub(crate) fn print(summary: &str, analysis: &Analysis) -> io::Result<()> {
 }
 
 fn tasks(tasks: &[TaskReport]) -> Table {
-    let mut table = out::table(&["task", "name", "runs", "outcome", "waited", "for"]);
+    let mut table = out::table(&["task", "name", "runs", "outcome", "waited", "why"]);
     for task in tasks {
         let listed: Vec<String> = task.runs.iter().take(RUNS).map(run).collect();
         let mut runs = listed.join("\n");
@@ -65,9 +65,13 @@ fn tasks(tasks: &[TaskReport]) -> Table {
 /// When a run stood still is seen by its segments.
 fn run(run: &Run) -> String {
     let segments: Vec<String> =
-        run.segments.iter().map(|(from, until)| format!("{}–{}", s(*from), s(*until))).collect();
+        run.segments.iter().filter(|(from, until)| from < until).map(span).collect();
     let text = segments.join(", ");
     if text.is_empty() { format!("{} s", s(run.start)) } else { text + " s" }
+}
+
+fn span((from, until): &(Duration, Duration)) -> String {
+    format!("{}–{}", s(*from), s(*until))
 }
 
 fn outcome(task: &TaskReport) -> Cell {
