@@ -91,6 +91,8 @@ pub struct Manager {
     /// Tasks that are not over; those that only clean up are not among them.
     open: usize,
     shutting_down: bool,
+    /// How many occurrences were looked at.
+    looks: u64,
     /// When the last step was.
     last: Present,
 }
@@ -154,6 +156,7 @@ impl Manager {
             armed_for: [None; 2],
             open: 0,
             shutting_down: false,
+            looks: 0,
             last: Present::default(),
         }
     }

@@ -195,6 +195,11 @@ impl Classes {
         self.class(id)?.head.map(|(_, task)| task)
     }
 
+    /// How many nodes of trees were looked at.
+    pub(crate) const fn visits(&self) -> u64 {
+        self.arena.visits
+    }
+
     /// When something becomes due by this clock.
     pub(crate) fn next_due(&self, clock: Clock) -> Option<Micros> {
         self.wakes.get(side(clock))?.first().map(|(at, _)| *at)

@@ -115,6 +115,13 @@ impl Manager {
         })
     }
 
+    /// How many occurrences, and nodes of the trees that they are kept in, were
+    /// looked at so far: what decisions cost, on any machine.
+    #[must_use]
+    pub const fn looked_at(&self) -> u64 {
+        self.looks.wrapping_add(self.classes.visits())
+    }
+
     /// Whether no task lives or will become due: a schedule without routine
     /// tasks is over.
     #[must_use]

@@ -54,6 +54,7 @@ impl<'a> Step<'a> {
     /// Lets everything happen that is due by now.
     pub(crate) fn ring_timers(&mut self) {
         while let Some((index, kind)) = self.manager.timers.ripe(self.now) {
+            self.manager.looks = self.manager.looks.wrapping_add(1);
             self.timer(index, kind);
         }
     }

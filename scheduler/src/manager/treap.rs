@@ -38,6 +38,8 @@ pub(crate) struct Arena {
     nodes: Vec<Node>,
     free: Vec<u32>,
     seed: u64,
+    /// How many nodes were looked at.
+    pub(crate) visits: u64,
 }
 
 impl Arena {
@@ -53,10 +55,12 @@ impl Arena {
     }
 
     /// The most important that is due by then.
-    pub(crate) fn best_by(&self, tree: Tree, at: Micros) -> Option<(Rank, u32)> {
+    pub(crate) fn best_by(&mut self, tree: Tree, at: Micros) -> Option<(Rank, u32)> {
         let mut best = None;
         let mut link = tree.0;
+        let mut visits = 0;
         while let Some(node) = self.node(link) {
+            visits += 1;
             link = if node.item.at <= at {
                 best = least(best, Some((node.item.rank, node.item.task)));
                 best = least(best, self.best(node.left));
@@ -65,14 +69,17 @@ impl Arena {
                 node.left
             };
         }
+        self.visits = self.visits.wrapping_add(visits);
         best
     }
 
     /// The first instant after this one at which something is due.
-    pub(crate) fn next_after(&self, tree: Tree, at: Micros) -> Option<Micros> {
+    pub(crate) fn next_after(&mut self, tree: Tree, at: Micros) -> Option<Micros> {
         let mut next = None;
         let mut link = tree.0;
+        let mut visits = 0;
         while let Some(node) = self.node(link) {
+            visits += 1;
             link = if node.item.at > at {
                 next = Some(node.item.at);
                 node.left
@@ -80,6 +87,7 @@ impl Arena {
                 node.right
             };
         }
+        self.visits = self.visits.wrapping_add(visits);
         next
     }
 
@@ -186,6 +194,7 @@ impl Arena {
 
     /// Gives a node these children, and looks again for its subtree's best.
     fn set(&mut self, index: u32, left: Link, right: Link) {
+        self.visits = self.visits.wrapping_add(1);
         let below = least(self.best(left), self.best(right));
         if let Some(node) = usize::try_from(index).ok().and_then(|index| self.nodes.get_mut(index))
         {

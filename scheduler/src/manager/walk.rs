@@ -53,6 +53,7 @@ impl Step<'_> {
                 (Some((_, index)), None) => Next::Live(*index),
                 (None, None) => break,
             };
+            self.manager.looks = self.manager.looks.wrapping_add(1);
             match next {
                 Next::Live(index) => {
                     live.next();
