@@ -22,6 +22,7 @@
 //! | [`analyze`](mod@analyze) | what will become of a schedule |
 //! | [`executive`] | carries out: the loop, and the ports it needs |
 //! | [`journal`] | remembers, after a crash and after a loss of power |
+//! | [`tickets`] | asks the agents of a broker, and commands devices by name |
 
 pub mod analyze;
 #[cfg(target_os = "linux")]
@@ -36,6 +37,7 @@ pub mod port;
 #[cfg(target_os = "linux")]
 mod sync;
 pub mod task;
+pub mod tickets;
 pub mod time;
 
 pub use manager::Manager;
