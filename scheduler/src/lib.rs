@@ -26,6 +26,8 @@
 
 pub mod analyze;
 #[cfg(target_os = "linux")]
+pub mod bodies;
+#[cfg(target_os = "linux")]
 pub mod control;
 pub mod executive;
 pub mod format;

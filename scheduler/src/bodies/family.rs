@@ -1,0 +1,190 @@
+//! Which process belongs to which attempt.
+//!
+//! This program is made the *subreaper*: a process whose parent has died
+//! becomes its child. So whatever a task's processes do (fork twice, begin a
+//! session of their own, outlive their parents), all of them are descendants of
+//! this program, and nobody else is ever looked at.
+//!
+//! A child that was not started here and whose session is not this program's is
+//! such an orphan. It belongs to the attempt that it was seen in before, whose
+//! session it is in, or whose mark is in its environment. One with none of
+//! these hides where it comes from: a *stray*, which is killed when it is seen.
+//! (A program that embeds the schedule manager and starts children of its own
+//! keeps them in its own session, or they look like that.)
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::io;
+
+use parking_lot::Mutex;
+use rustix::process::{PidfdFlags, Signal, pidfd_open, pidfd_send_signal};
+
+use crate::bodies::procfs::{self, Stat};
+
+/// The environment variable that marks what an attempt has started: the run of
+/// the manager, a dot, the serial number of the attempt in that run.
+pub(super) const MARK: &str = "FAREGATE_RUN";
+
+/// The main processes that were not reaped yet, with what was seen of their
+/// kin. One for the whole program, as its children are.
+pub(super) static FAMILY: Mutex<BTreeMap<i32, Kin>> = Mutex::new(BTreeMap::new());
+
+/// What was seen of the processes of one attempt.
+#[derive(Debug)]
+pub(super) struct Kin {
+    mark: String,
+    known: BTreeMap<i32, u64>,
+    sessions: BTreeSet<i32>,
+}
+
+impl Kin {
+    /// A main process leads a session of its own, from before its program is
+    /// executed.
+    pub(super) fn new(main: i32, mark: String) -> Self {
+        Self { mark, known: BTreeMap::new(), sessions: BTreeSet::from([main]) }
+    }
+
+    fn claims(&self, orphan: &Stat, mark: Option<&str>) -> bool {
+        self.known.get(&orphan.pid) == Some(&orphan.start)
+            || self.sessions.contains(&orphan.session)
+            || mark == Some(&self.mark)
+    }
+}
+
+/// All living descendants of this program, told apart by attempt.
+#[derive(Debug)]
+pub(super) struct Census {
+    by_main: BTreeMap<i32, Vec<Stat>>,
+    strays: Vec<Stat>,
+}
+
+impl Census {
+    /// Looks at all processes of the host.
+    ///
+    /// # Timing
+    /// Three system calls for each process of the host.
+    pub(super) fn take() -> Self {
+        let me = rustix::process::getpid().as_raw_nonzero().get();
+        let all = settled(procfs::everybody(), me);
+        let own_session = all.iter().find(|stat| stat.pid == me).map_or(0, |stat| stat.session);
+        let tree = Tree::new(&all);
+        let mut family = FAMILY.lock();
+        let mut census = Self { by_main: BTreeMap::new(), strays: Vec::new() };
+        for child in tree.children(me) {
+            let owner = if family.contains_key(&child.pid) {
+                Some(child.pid)
+            } else if child.session == own_session {
+                continue;
+            } else {
+                owner(&family, child)
+            };
+            let living = tree.with_descendants(child).into_iter().filter(|stat| !stat.is_dead());
+            match owner {
+                Some(main) => census.by_main.entry(main).or_default().extend(living),
+                None if is_anothers(child) => {}
+                None => census.strays.extend(living),
+            }
+        }
+        census.remember(&mut family, own_session);
+        census
+    }
+
+    /// What lives of the attempt with this main process.
+    pub(super) fn of(&self, main: i32) -> &[Stat] {
+        self.by_main.get(&main).map_or(&[], Vec::as_slice)
+    }
+
+    /// Ends who hides where it comes from.
+    pub(super) fn kill_strays(&self) {
+        for stray in &self.strays {
+            signal(stray, Signal::KILL);
+        }
+    }
+
+    /// A number may be given to another process once its owner is gone: only
+    /// who is alive now is kept.
+    fn remember(&self, family: &mut BTreeMap<i32, Kin>, own_session: i32) {
+        for (main, kin) in family {
+            let living = self.of(*main);
+            kin.known = living.iter().map(|stat| (stat.pid, stat.start)).collect();
+            kin.sessions = living.iter().map(|stat| stat.session).collect();
+            kin.sessions.remove(&own_session);
+            kin.sessions.insert(*main);
+        }
+    }
+}
+
+fn owner(family: &BTreeMap<i32, Kin>, orphan: &Stat) -> Option<i32> {
+    let environment = procfs::environment(orphan.pid);
+    let mark = procfs::variable(&environment, MARK);
+    family.iter().find(|(_, kin)| kin.claims(orphan, mark)).map(|(main, _)| *main)
+}
+
+/// Whether it is dead, or belongs to a manager that was killed and whose
+/// processes came to us: that is the sweep's affair.
+fn is_anothers(orphan: &Stat) -> bool {
+    let environment = procfs::environment(orphan.pid);
+    orphan.is_dead() || procfs::variable(&environment, MARK).is_some()
+}
+
+/// While everybody was looked at, parents died. Whoever was seen with one that
+/// is not there is looked at again: it has another parent now.
+fn settled(mut all: Vec<Stat>, me: i32) -> Vec<Stat> {
+    let seen: BTreeSet<i32> = all.iter().map(|stat| stat.pid).collect();
+    let is_lost = |stat: &Stat| stat.pid != me && stat.parent != 0 && !seen.contains(&stat.parent);
+    for stat in all.iter_mut().filter(|stat| is_lost(stat)) {
+        *stat = Stat::of(stat.pid).filter(|now| now.start == stat.start).unwrap_or(*stat);
+    }
+    all
+}
+
+/// Processes by parent.
+struct Tree<'a>(BTreeMap<i32, Vec<&'a Stat>>);
+
+impl<'a> Tree<'a> {
+    fn new(all: &'a [Stat]) -> Self {
+        let mut by_parent: BTreeMap<i32, Vec<&Stat>> = BTreeMap::new();
+        for stat in all {
+            by_parent.entry(stat.parent).or_default().push(stat);
+        }
+        Self(by_parent)
+    }
+
+    fn children(&self, parent: i32) -> &[&'a Stat] {
+        self.0.get(&parent).map_or(&[], Vec::as_slice)
+    }
+
+    /// It ends: what was read at different moments could name a process its own
+    /// ancestor, but none is looked at twice.
+    fn with_descendants(&self, root: &Stat) -> Vec<Stat> {
+        let mut found = vec![*root];
+        let mut seen = BTreeSet::from([root.pid]);
+        let mut next = 0;
+        while let Some(stat) = found.get(next) {
+            let children = self.children(stat.pid);
+            found.extend(children.iter().filter(|child| seen.insert(child.pid)).map(|c| **c));
+            next += 1;
+        }
+        found
+    }
+}
+
+/// Sends a signal to the process that was seen, or to nobody: its number may
+/// belong to another one by now.
+pub(super) fn signal(seen: &Stat, signal: Signal) {
+    let Some(pid) = procfs::pid(seen.pid) else { return };
+    let Ok(pidfd) = pidfd_open(pid, PidfdFlags::empty()) else { return };
+    // What the descriptor names cannot change any more.
+    if seen.is_still_there() {
+        let _ = pidfd_send_signal(&pidfd, signal);
+    }
+}
+
+/// Makes orphans of tasks children of this program, instead of the host's first
+/// process.
+///
+/// # Errors
+/// The kernel's.
+pub(super) fn adopt_orphans() -> io::Result<()> {
+    let me = rustix::process::getpid();
+    Ok(rustix::process::set_child_subreaper(Some(me))?)
+}

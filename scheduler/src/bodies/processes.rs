@@ -1,0 +1,233 @@
+//! All processes of a manager: started, watched through one descriptor, ended.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::io;
+use std::mem::MaybeUninit;
+use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
+
+use rustix::event::{PollFd, PollFlags, Timespec, epoll, poll};
+use rustix::process::Pid;
+
+use crate::bodies::cgroup::{Group, Groups};
+use crate::bodies::children::{self, Bell};
+use crate::bodies::family;
+use crate::bodies::launch::{Order, Prepared};
+use crate::bodies::output::{Output, Scribe};
+use crate::bodies::process::{Became, Process};
+use crate::bodies::settings::{Moment, Settings};
+use crate::executive::{PortFactory, PortNotice};
+use crate::manager::{Attempt, Event, Stop};
+use crate::time::{Duration, Instant};
+
+/// The bell of children among the processes' descriptors.
+const BELL: u64 = u64::MAX;
+
+/// How often a manager that ends looks whether its processes have, and how long
+/// it waits each time for one of them.
+const LAST_LOOKS: u32 = 500;
+const LOOKS_APART: Duration = Duration::from_millis(10);
+const LAST_LOOK: Timespec = Timespec { tv_sec: 0, tv_nsec: 10_000_000 };
+
+/// The processes of attempts that are not over.
+pub(super) struct Processes {
+    settings: Settings,
+    ports: Box<dyn PortFactory>,
+    run: String,
+    groups: Result<Groups, String>,
+    epoll: OwnedFd,
+    bell: Bell,
+    scribe: Scribe,
+    live: BTreeMap<Attempt, (u64, Process)>,
+    next_serial: u64,
+}
+
+impl Processes {
+    pub(super) fn new(
+        settings: Settings,
+        run: String,
+        groups: Result<Groups, String>,
+        ports: Box<dyn PortFactory>,
+    ) -> io::Result<Self> {
+        family::adopt_orphans()?;
+        let epoll = epoll::create(epoll::CreateFlags::CLOEXEC)?;
+        let bell = Bell::new()?;
+        epoll::add(&epoll, &bell, epoll::EventData::new_u64(BELL), epoll::EventFlags::IN)?;
+        let scribe = Scribe::new(settings.output_kept)?;
+        let live = BTreeMap::new();
+        Ok(Self { settings, ports, run, groups, epoll, bell, scribe, live, next_serial: 0 })
+    }
+
+    pub(super) fn groups(&self) -> Result<&std::path::Path, &str> {
+        self.groups.as_ref().map(Groups::path).map_err(String::as_str)
+    }
+
+    /// # Errors
+    /// Why it was not started, for people. Then nothing of it is left.
+    pub(super) fn start(
+        &mut self,
+        attempt: Attempt,
+        program: &str,
+        arguments: &[String],
+    ) -> Result<(), String> {
+        let serial = self.next_serial;
+        self.next_serial += 1;
+        let port = self.ports.open(attempt).map_err(|error| format!("no command port: {error}"))?;
+        let mark = format!("{}.{serial}", self.run);
+        let order = Order { program, arguments, attempt, mark, port, group: None };
+        let process = self.fork(serial, order).inspect_err(|_| self.ports.close(attempt))?;
+        self.watch(serial, &process);
+        self.live.insert(attempt, (serial, process));
+        Ok(())
+    }
+
+    fn fork(&mut self, serial: u64, order: Order<'_>) -> Result<Process, String> {
+        let (attempt, program) = (order.attempt, order.program);
+        let group = self.groups.as_ref().ok().map(|groups| groups.group(serial)).transpose();
+        let group = group.map_err(|error| format!("no control group: {error}"))?;
+        let directory = group.as_ref().map(Group::directory);
+        let mut prepared = Prepared::new(Order { group: directory, ..order })?;
+        let capture = prepared.outputs().map(|(out, err)| self.scribe.capture(out, err));
+        let capture = capture.transpose().map_err(|error| format!("no output: {error}"))?;
+        self.settings.probe.passes(Moment::Fork, attempt);
+        let started = prepared.fork();
+        self.settings.probe.passes(Moment::Forked, attempt);
+        match started {
+            Ok(started) => Ok(Process::new(program, started, group, capture)),
+            Err(why) => {
+                capture.iter().for_each(|capture| drop(capture.finish()));
+                Err(why)
+            }
+        }
+    }
+
+    /// Where the kernel does not watch it (it has no memory for that), the bell
+    /// of children and the times to look again do.
+    fn watch(&self, serial: u64, process: &Process) {
+        let data = epoll::EventData::new_u64(serial);
+        let _ = epoll::add(&self.epoll, process.pidfd(), data, epoll::EventFlags::IN);
+        if let Some(events) = process.group_events() {
+            let _ = epoll::add(&self.epoll, events, data, epoll::EventFlags::PRI);
+        }
+    }
+
+    pub(super) fn stop(&mut self, attempt: Attempt, how: Stop, now: Instant) {
+        let Some((_, process)) = self.live.get_mut(&attempt) else { return };
+        if let Stop::Checkpoint { grace, .. } = how {
+            self.ports.tell(attempt, PortNotice::Checkpoint { grace });
+        }
+        process.stop(how, now);
+    }
+
+    pub(super) fn resume(&mut self, attempt: Attempt) {
+        if let Some((_, process)) = self.live.get_mut(&attempt) {
+            self.ports.tell(attempt, PortNotice::Resumed);
+            process.resume();
+        }
+    }
+
+    /// What has become of them. Outputs of those that are over go to `keep`.
+    pub(super) fn poll(
+        &mut self,
+        now: Instant,
+        events: &mut Vec<Event>,
+        mut keep: impl FnMut(Attempt, Output),
+    ) {
+        let ready = self.ready();
+        let rung = ready.contains(&BELL);
+        let is_concerned = |serial: &u64, process: &Process| {
+            rung || ready.contains(serial) || process.due().is_some_and(|due| due <= now)
+        };
+        let mut over = Vec::new();
+        for (attempt, (serial, process)) in &mut self.live {
+            if !is_concerned(serial, process) {
+                continue;
+            }
+            match process.attend(now) {
+                Became::Same => {}
+                Became::Still => events.push(Event::Stopped { attempt: *attempt }),
+                Became::Over(exit) => over.push((*attempt, exit)),
+            }
+        }
+        for (attempt, exit) in over {
+            if let Some(output) = self.end(attempt) {
+                keep(attempt, output);
+            }
+            events.push(Event::Exited { attempt, exit });
+        }
+        if rung {
+            children::reap_orphans();
+        }
+    }
+
+    /// The first of them to be looked at without being told.
+    pub(super) fn next_due(&self) -> Option<Instant> {
+        self.live.values().filter_map(|(_, process)| process.due()).min()
+    }
+
+    pub(super) fn pid(&self, attempt: Attempt) -> Option<Pid> {
+        self.live.get(&attempt).map(|(_, process)| process.pid())
+    }
+
+    pub(super) fn memory(&self, attempt: Attempt) -> Option<u64> {
+        self.live.get(&attempt).map(|(_, process)| process.memory())
+    }
+
+    pub(super) fn output(&self, attempt: Attempt) -> Option<Output> {
+        self.live.get(&attempt).map(|(_, process)| process.printed())
+    }
+
+    fn ready(&self) -> BTreeSet<u64> {
+        let mut buffer = [const { MaybeUninit::uninit() }; 64];
+        let at_once = Timespec { tv_sec: 0, tv_nsec: 0 };
+        let Ok((ready, _)) = epoll::wait(&self.epoll, &mut buffer, Some(&at_once)) else {
+            return BTreeSet::new();
+        };
+        let ready: BTreeSet<u64> = ready.iter().map(|event| event.data.u64()).collect();
+        if ready.contains(&BELL) {
+            self.bell.silence();
+        }
+        ready
+    }
+
+    /// Its authority ends before anybody hears of its end.
+    fn end(&mut self, attempt: Attempt) -> Option<Output> {
+        self.ports.close(attempt);
+        let (_, mut process) = self.live.remove(&attempt)?;
+        // Not left to the closing: a child between fork and exec has copies of
+        // the descriptors, and the kernel would go on to report them.
+        let _ = epoll::delete(&self.epoll, process.pidfd());
+        if let Some(events) = process.group_events() {
+            let _ = epoll::delete(&self.epoll, events);
+        }
+        self.settings.probe.passes(Moment::Reap, attempt);
+        process.reap();
+        self.settings.probe.passes(Moment::Reaped, attempt);
+        Some(process.printed())
+    }
+}
+
+/// Readable when something has happened to one of them.
+impl AsFd for Processes {
+    fn as_fd(&self) -> BorrowedFd<'_> {
+        self.epoll.as_fd()
+    }
+}
+
+/// A manager that goes leaves nothing behind. It waits for what it has killed,
+/// but not for ever: what the kernel does not let die is left to the sweep.
+impl Drop for Processes {
+    fn drop(&mut self) {
+        let mut now = Instant::default();
+        for (_, process) in self.live.values_mut() {
+            process.stop(Stop::Kill { grace: Duration::ZERO }, now);
+        }
+        for _ in 0..LAST_LOOKS {
+            self.poll(now, &mut Vec::new(), |_, _| {});
+            if self.live.is_empty() {
+                return;
+            }
+            let _ = poll(&mut [PollFd::new(&self.epoll, PollFlags::IN)], Some(&LAST_LOOK));
+            now = now.after(LOOKS_APART);
+        }
+    }
+}
