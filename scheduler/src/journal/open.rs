@@ -60,7 +60,7 @@ pub(super) fn open(
         took: began.elapsed(),
         snapshot_bytes: sum.snapshot_bytes,
     };
-    Ok((writer, sum.replay.restored(), opened))
+    Ok((writer, sum.replay.into_restored(), opened))
 }
 
 /// Goes on at the end of the last log.

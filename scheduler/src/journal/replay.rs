@@ -17,7 +17,7 @@ pub fn replay(records: impl IntoIterator<Item = Record>) -> Restored {
     for record in records {
         replay.apply(record);
     }
-    replay.restored()
+    replay.into_restored()
 }
 
 /// Adds records up, one after the other.
@@ -79,14 +79,24 @@ impl Replay {
     /// What a manager goes on with.
     #[must_use]
     pub fn restored(&self) -> Restored {
+        self.clone().into_restored()
+    }
+
+    /// The same, without copying all tasks.
+    #[must_use]
+    pub fn into_restored(self) -> Restored {
         let cleanups = self.cleanups();
+        let is_cleanup = |kept: &Kept| cleanups.contains(&kept.task.id);
         let mut tasks: Vec<_> = self
             .tasks
-            .values()
-            .map(|kept| restored_task(kept, cleanups.contains(&kept.task.id)))
+            .into_values()
+            .map(|kept| {
+                let is_cleanup = is_cleanup(&kept);
+                restored_task(kept, is_cleanup)
+            })
             .collect();
         tasks.sort_by_key(|task| task.position);
-        let Base { modes, next_position, .. } = self.base.clone();
+        let Base { modes, next_position, .. } = self.base;
         Restored { tasks, modes, next_position }
     }
 
@@ -259,10 +269,10 @@ fn names(task: &Task) -> impl Iterator<Item = TaskId> {
     task.after.iter().map(|prior| prior.task).chain(task.cleanup)
 }
 
-fn restored_task(kept: &Kept, is_cleanup: bool) -> RestoredTask {
+fn restored_task(kept: Kept, is_cleanup: bool) -> RestoredTask {
     let ran_once = kept.task.interval.is_none() && kept.ended.is_some() && !is_cleanup;
     RestoredTask {
-        task: kept.task.clone(),
+        task: kept.task,
         load: kept.load,
         position: kept.position,
         accepted: kept.accepted,
