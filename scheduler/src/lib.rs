@@ -35,6 +35,8 @@ pub mod journal;
 pub mod manager;
 pub mod mission;
 #[cfg(target_os = "linux")]
+pub mod onboard;
+#[cfg(target_os = "linux")]
 pub mod port;
 #[cfg(target_os = "linux")]
 mod sync;
@@ -44,4 +46,6 @@ pub mod time;
 
 pub use manager::Manager;
 pub use mission::Mission;
+#[cfg(target_os = "linux")]
+pub use onboard::Onboard;
 pub use task::{Task, TaskId};

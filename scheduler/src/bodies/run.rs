@@ -10,7 +10,7 @@ use crate::bodies::cgroup::Groups;
 use crate::bodies::output::Output;
 use crate::bodies::processes::Processes;
 use crate::bodies::settings::Settings;
-use crate::executive::{Bodies, PortFactory, StartBody, Waker};
+use crate::executive::{Bodies, PortFactory, StartBody, Waker, Watched};
 use crate::manager::{Attempt, Event, Exit, Stop, StopWhy};
 use crate::task::Body;
 use crate::time::{Instant, Now};
@@ -124,6 +124,12 @@ impl Bodies for RealBodies {
 
     fn next_due(&self) -> Option<Instant> {
         self.processes.next_due()
+    }
+}
+
+impl Watched for RealBodies {
+    fn fds<'a>(&'a self, fds: &mut Vec<BorrowedFd<'a>>) {
+        fds.push(self.as_fd());
     }
 }
 

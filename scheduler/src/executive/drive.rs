@@ -75,6 +75,7 @@ pub struct Driver {
     modes: Vec<ModeSpec>,
     told: Vec<Event>,
     loads: Vec<(TelecommandId, Attempt)>,
+    asked: Vec<(TelecommandId, Option<Reply>)>,
     next_own: u64,
     actions: Vec<Action>,
 }
@@ -113,6 +114,7 @@ impl Driver {
             modes,
             told: Vec::new(),
             loads: Vec::new(),
+            asked: Vec::new(),
             next_own: FIRST_OWN,
             actions: Vec::new(),
         }
@@ -139,11 +141,31 @@ impl Driver {
                 return self.tell(Event::Exited { attempt, exit: Exit::Failed(why) });
             }
         };
-        let id = TelecommandId(self.next_own);
-        self.next_own = self.next_own.wrapping_add(1).max(FIRST_OWN);
+        let id = self.own();
         self.loads.push((id, attempt));
         let additions = tasks.into_iter().map(|task| Addition { task }).collect();
         self.tell(Event::Telecommand { id, telecommand: Telecommand::Add(additions) });
+    }
+
+    /// The program itself asks something of the manager. The next turn answers,
+    /// by [`Driver::answered`].
+    pub fn ask(&mut self, telecommand: Telecommand) -> TelecommandId {
+        let id = self.own();
+        self.asked.push((id, None));
+        self.tell(Event::Telecommand { id, telecommand });
+        id
+    }
+
+    /// What the manager answered, once.
+    pub fn answered(&mut self, id: TelecommandId) -> Option<Reply> {
+        let index = self.asked.iter().position(|(asked, reply)| *asked == id && reply.is_some())?;
+        self.asked.swap_remove(index).1
+    }
+
+    fn own(&mut self) -> TelecommandId {
+        let id = TelecommandId(self.next_own);
+        self.next_own = self.next_own.wrapping_add(1).max(FIRST_OWN);
+        id
     }
 
     /// When to take the next turn, if nothing happens before.
@@ -239,6 +261,10 @@ impl Driver {
 
     /// The answer to a telecommand of our own ends the body that loaded a file.
     fn answer(&mut self, now: Now, id: TelecommandId, reply: Reply, ports: &mut Ports<'_>) {
+        if let Some((_, answer)) = self.asked.iter_mut().find(|(asked, _)| *asked == id) {
+            *answer = Some(reply);
+            return;
+        }
         let Some(index) = self.loads.iter().position(|(own, _)| *own == id) else {
             return ports.outside.answer(now, id, reply);
         };

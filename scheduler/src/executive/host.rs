@@ -13,7 +13,7 @@ use rustix::io::Errno;
 use crate::executive::{
     Bodies, Driver, HostClock, JournalSink, Outside, Ports, TicketPort, Timers, Waker,
 };
-use crate::manager::{Event, Manager, Restored};
+use crate::manager::{Event, Manager, Reply, Restored, Telecommand};
 use crate::mission::Mission;
 use crate::time::Now;
 
@@ -85,6 +85,21 @@ where
         self.driver.tell(event);
     }
 
+    /// The program itself asks something of the manager, and has its answer: at
+    /// once, before anything else that happens.
+    ///
+    /// # Errors
+    /// As [`HostExecutive::run`].
+    pub fn command(&mut self, telecommand: Telecommand) -> io::Result<Reply> {
+        let id = self.driver.ask(telecommand);
+        loop {
+            self.turn()?;
+            if let Some(reply) = self.driver.answered(id) {
+                return Ok(reply);
+            }
+        }
+    }
+
     /// The manager, for questions.
     #[must_use]
     pub fn manager(&self) -> &Manager {
@@ -99,6 +114,11 @@ where
     /// The bodies.
     pub fn bodies(&mut self) -> &mut B {
         &mut self.bodies
+    }
+
+    /// The tickets.
+    pub fn tickets(&self) -> &T {
+        &self.tickets
     }
 
     /// The ports, when all is over.

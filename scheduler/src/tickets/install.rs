@@ -131,6 +131,12 @@ impl Installation {
         Ok(())
     }
 
+    /// Whether a driver was given for the device of this name.
+    #[must_use]
+    pub fn has(&self, device: &str) -> bool {
+        self.gates.get(device).is_some()
+    }
+
     /// Makes a supervisor of the whole broker: it can bar tasks, enter safe
     /// mode, and reset faulted gates.
     pub fn supervisor(&mut self) -> Supervisor {

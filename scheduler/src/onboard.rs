@@ -1,0 +1,351 @@
+//! Everything together: a mission's schedule, run on this host.
+//!
+//! ```no_run
+//! use std::path::Path;
+//!
+//! use faregate_scheduler::{Mission, Onboard, format};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let text = std::fs::read("week.csv")?;
+//! let schedule = format::read("week.csv", &text).map_err(|_| "see `faregate check week.csv`")?;
+//! let mut onboard = Onboard::builder(Mission::default())?
+//!     .journal(Path::new("journal"))?       // goes on where it ended
+//!     .control(Path::new("faregate.sock"))  // `faregate status`, `faregate add`, ...
+//!     .start()?;
+//! onboard.load(schedule.tasks)?;
+//! onboard.run(|manager, _| manager.is_over())?;
+//! onboard.close()?;
+//! # Ok(())
+//! # }
+//! ```
+
+use core::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use faregate_client::{Problem, RefusalKind, Refused};
+
+use crate::bodies::{RealBodies, Settings};
+use crate::control::{Links, ReadSchedule, SocketLink};
+use crate::executive::{Correspondent, HostClock, HostExecutive, JournalSink, Unwritten, Waker};
+use crate::format::{self, Diagnostic};
+use crate::journal::{Journal, JournalError, Opened, Options};
+use crate::manager::{Addition, Record, Reply, Restored, Telecommand};
+use crate::mission::Mission;
+use crate::port::CommandServer;
+use crate::task::Task;
+use crate::tickets::{Driver, Installation, NotInstalled, Tickets};
+
+/// A mission's schedule that runs on this host: processes, threads, tickets, a
+/// journal, and links.
+///
+/// Stays on the thread that makes it: the processes die with that thread.
+pub type Onboard<O = Links> = HostExecutive<RealBodies, Tickets, Kept, O>;
+
+/// Puts an [`Onboard`] together.
+pub struct Builder {
+    mission: Mission,
+    waker: Waker,
+    installation: Installation,
+    settings: Settings,
+    kept: Kept,
+    restored: Restored,
+    opened: Option<Opened>,
+    control: Option<PathBuf>,
+    schedules: Arc<dyn ReadSchedule>,
+}
+
+/// Why a schedule cannot be run here.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum NotOnboard {
+    /// The host lacks something.
+    Host(io::Error),
+    /// The mission's broker cannot be put together.
+    Installation(NotInstalled),
+    /// The mission says nothing of a device with this name.
+    UnknownDevice(String),
+    /// Devices of the mission that no driver was given for.
+    NoDriver(Vec<String>),
+    /// The journal cannot be used.
+    Journal(JournalError),
+    /// Telecommands cannot be taken there.
+    Control(PathBuf, io::Error),
+    /// The schedule was refused.
+    Refused(String),
+}
+
+impl fmt::Display for NotOnboard {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Host(error) => write!(f, "the host has no room for a run: {error}"),
+            Self::Installation(why) => why.fmt(f),
+            Self::UnknownDevice(name) => write!(f, "the mission has no device `{name}`"),
+            Self::NoDriver(names) => write!(f, "no driver was given for {}", names.join(", ")),
+            Self::Journal(error) => error.fmt(f),
+            Self::Control(path, error) => {
+                write!(f, "no telecommands can be taken at {}: {error}", path.display())
+            }
+            Self::Refused(why) => write!(f, "the schedule is not accepted: {why}"),
+        }
+    }
+}
+
+impl std::error::Error for NotOnboard {}
+
+impl From<io::Error> for NotOnboard {
+    fn from(error: io::Error) -> Self {
+        Self::Host(error)
+    }
+}
+
+impl From<NotInstalled> for NotOnboard {
+    fn from(why: NotInstalled) -> Self {
+        Self::Installation(why)
+    }
+}
+
+impl From<JournalError> for NotOnboard {
+    fn from(error: JournalError) -> Self {
+        Self::Journal(error)
+    }
+}
+
+impl Onboard {
+    /// Begins to put a mission together.
+    ///
+    /// # Errors
+    /// [`NotOnboard::Host`] and [`NotOnboard::Installation`].
+    pub fn builder(mission: Mission) -> Result<Builder, NotOnboard> {
+        let waker = Waker::new()?;
+        let installation = Installation::new(&mission, &waker)?;
+        Ok(Builder {
+            schedules: reader(mission.clone()),
+            mission,
+            waker,
+            installation,
+            settings: Settings::default(),
+            kept: Kept::Nowhere(Unwritten),
+            restored: Restored::default(),
+            opened: None,
+            control: None,
+        })
+    }
+}
+
+/// Reads schedules that come while others run: for the mission that they are
+/// to run on.
+fn reader(mission: Mission) -> Arc<dyn ReadSchedule> {
+    Arc::new(move |name: &str, text: &str| {
+        let against = format::Against::Mission(&mission);
+        let options = format::Options { against, whole: false, ..format::Options::default() };
+        let read = format::read_with(options, name, text.as_bytes());
+        read.map(|loaded| loaded.tasks).map_err(|found| refused(&found))
+    })
+}
+
+/// What a client is told of the mistakes in its schedule.
+#[must_use]
+pub fn refused(found: &[Diagnostic]) -> Refused {
+    let problems = found.iter().filter(|one| one.is_error()).map(problem).collect();
+    Refused::new(RefusalKind::Invalid, "nothing of it is loaded").with_problems(problems)
+}
+
+fn problem(wrong: &Diagnostic) -> Problem {
+    let number = |number: usize| u64::try_from(number).ok();
+    let expected = wrong.expected.iter().map(|expected| format!("; expected {expected}"));
+    Problem {
+        line: number(wrong.place.line),
+        column: number(wrong.place.column),
+        field: wrong.field.clone(),
+        message: wrong.message.clone() + &expected.collect::<String>(),
+    }
+}
+
+impl Builder {
+    /// Moves a driver behind the gate of this device.
+    ///
+    /// # Errors
+    /// [`NotOnboard::UnknownDevice`] and [`NotOnboard::Installation`].
+    pub fn device(mut self, name: &str, driver: Box<dyn Driver>) -> Result<Self, NotOnboard> {
+        let spec = self.mission.devices.iter().find(|spec| spec.name == name);
+        let spec = spec.ok_or_else(|| NotOnboard::UnknownDevice(name.to_owned()))?;
+        self.installation.device(spec, driver)?;
+        Ok(self)
+    }
+
+    /// What can be set about bodies: functions, limits of outputs and workers.
+    #[must_use]
+    pub fn bodies(mut self, settings: Settings) -> Self {
+        self.settings =
+            Settings { state: self.settings.state.take().or(settings.state), ..settings };
+        self
+    }
+
+    /// Keeps a journal in this directory, and goes on where it ended.
+    ///
+    /// # Errors
+    /// [`NotOnboard::Journal`].
+    pub fn journal(mut self, directory: &Path) -> Result<Self, NotOnboard> {
+        let (journal, restored, opened) =
+            Journal::open(&directory.join("journal"), Options::default())?;
+        self.kept = Kept::Journal(Box::new(journal));
+        self.restored = restored;
+        self.opened = Some(opened);
+        self.settings.state = Some(directory.join("run"));
+        Ok(self)
+    }
+
+    /// Takes telecommands at this socket, from the same user alone.
+    #[must_use]
+    pub fn control(mut self, path: &Path) -> Self {
+        self.control = Some(path.to_owned());
+        self
+    }
+
+    /// How schedules are read that come while others run, where it is not as
+    /// [`format::read_with`] does for this mission.
+    #[must_use]
+    pub fn reading(mut self, schedules: Arc<dyn ReadSchedule>) -> Self {
+        self.schedules = schedules;
+        self
+    }
+
+    /// Runs the agents' service with SCHED_FIFO at this priority. The manager's
+    /// own thread is the caller's to set.
+    #[must_use]
+    pub fn real_time(mut self, priority: u8) -> Self {
+        self.installation = self.installation.real_time(priority);
+        self
+    }
+
+    /// The agents and gates, before they are closed.
+    pub fn installation(&mut self) -> &mut Installation {
+        &mut self.installation
+    }
+
+    /// How the journal was found, if there is one.
+    #[must_use]
+    pub fn opened(&self) -> Option<&Opened> {
+        self.opened.as_ref()
+    }
+
+    /// Whether the journal has tasks to go on with.
+    #[must_use]
+    pub fn goes_on(&self) -> bool {
+        !self.restored.tasks.is_empty()
+    }
+
+    /// Starts, with links alone outside.
+    ///
+    /// # Errors
+    /// [`NotOnboard`].
+    pub fn start(self) -> Result<Onboard, NotOnboard> {
+        self.start_with(|links, _, _| Ok(links))
+    }
+
+    /// Starts, with something around the links that is told and asked, too. It
+    /// is given the tickets, for the estimates of sensors, and the manager's
+    /// bell.
+    ///
+    /// # Errors
+    /// [`NotOnboard`].
+    pub fn start_with<O: Correspondent>(
+        self,
+        outside: impl FnOnce(Links, &Tickets, &Waker) -> Result<O, NotOnboard>,
+    ) -> Result<Onboard<O>, NotOnboard> {
+        self.drivers()?;
+        let tickets = self.installation.start()?;
+        let ports = CommandServer::start(Arc::new(tickets.commander()), self.waker.clone())?;
+        let mut links = Links::new(Arc::clone(&self.schedules));
+        links.hear(ports.clone());
+        if let Some(path) = self.control {
+            let link = SocketLink::listen(&path, self.schedules, self.waker.clone());
+            links.add(link.map_err(|error| NotOnboard::Control(path, error))?);
+        }
+        // What an earlier manager left is ended here, before anything starts.
+        let bodies = RealBodies::new(self.settings, self.waker.clone(), Box::new(ports))?;
+        let outside = outside(links, &tickets, &self.waker)?;
+        let ports = (bodies, tickets, self.kept, outside);
+        let clock = HostClock::start();
+        Ok(HostExecutive::new(self.mission, self.restored, self.waker, clock, ports)?)
+    }
+
+    fn drivers(&self) -> Result<(), NotOnboard> {
+        let there = |name: &str| self.installation.has(name);
+        let names = self.mission.devices.iter().map(|spec| &spec.name);
+        let missing: Vec<_> = names.filter(|name| !there(name)).cloned().collect();
+        if missing.is_empty() { Ok(()) } else { Err(NotOnboard::NoDriver(missing)) }
+    }
+}
+
+impl fmt::Debug for Builder {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Builder").field("mission", &self.mission).finish_non_exhaustive()
+    }
+}
+
+impl<O: Correspondent> Onboard<O> {
+    /// Adds tasks to the schedule, all or none.
+    ///
+    /// # Errors
+    /// [`NotOnboard::Refused`], and nothing is added; [`NotOnboard::Host`] if
+    /// the journal cannot be written.
+    pub fn load(&mut self, tasks: Vec<Task>) -> Result<(), NotOnboard> {
+        let additions = tasks.into_iter().map(|task| Addition { task }).collect();
+        match self.command(Telecommand::Add(additions))? {
+            Reply::Done => Ok(()),
+            Reply::Refused(why) => Err(NotOnboard::Refused(why)),
+        }
+    }
+
+    /// Ends in order: what runs is ended, the journal closed. A later run goes
+    /// on with what is pending.
+    ///
+    /// # Errors
+    /// The journal's.
+    pub fn close(mut self) -> io::Result<()> {
+        if !self.manager().is_over() {
+            self.command(Telecommand::ShutDown)?;
+            self.run(|manager, _| manager.is_over())?;
+        }
+        let (_, _, kept, _) = self.into_ports();
+        match kept {
+            Kept::Journal(journal) => journal.close().map_err(io::Error::other),
+            Kept::Nowhere(_) => Ok(()),
+        }
+    }
+}
+
+/// Where records go: to a journal, or nowhere.
+#[derive(Debug)]
+pub enum Kept {
+    /// To this journal.
+    Journal(Box<Journal>),
+    /// Nothing outlives this run.
+    Nowhere(Unwritten),
+}
+
+impl Kept {
+    fn sink(&mut self) -> &mut dyn JournalSink {
+        match self {
+            Self::Journal(journal) => &mut **journal,
+            Self::Nowhere(nowhere) => nowhere,
+        }
+    }
+}
+
+impl JournalSink for Kept {
+    fn append(&mut self, record: &Record) -> io::Result<()> {
+        self.sink().append(record)
+    }
+
+    fn commit(&mut self) -> io::Result<()> {
+        self.sink().commit()
+    }
+
+    fn sync(&mut self) -> io::Result<()> {
+        self.sink().sync()
+    }
+}
