@@ -31,6 +31,7 @@ mod smaarte;
 mod source;
 mod suggest;
 mod words;
+mod write;
 mod wrong;
 
 use std::collections::BTreeMap;
@@ -40,6 +41,7 @@ pub use diagnostic::{Also, Diagnostic, Place, Rule, Severity};
 pub use policy::DEFAULT_GRACE;
 pub use render::render;
 pub use scalar::Conflict;
+pub use write::{NotHeld, write};
 
 use crate::format::check::Judge;
 use crate::format::draft::Draft;
@@ -136,6 +138,20 @@ pub fn read_with(
     name: &str,
     bytes: &[u8],
 ) -> Result<Loaded, Vec<Diagnostic>> {
+    let given = match options.against {
+        Against::Mission(mission) => Some(mission),
+        Against::Own | Against::Nothing => None,
+    };
+    read_named(options, name, bytes, given)
+}
+
+/// Reads a file in which categories may be called as this mission calls them.
+fn read_named(
+    options: Options<'_>,
+    name: &str,
+    bytes: &[u8],
+    names: Option<&Mission>,
+) -> Result<Loaded, Vec<Diagnostic>> {
     let source = Source::new(name, bytes).map_err(|wrong| vec![wrong])?;
     let mut report = Report::new(&source);
     let Some(kind) = options.kind.or_else(|| Kind::of(name)) else {
@@ -143,16 +159,12 @@ pub fn read_with(
         report.error(0..0, "", wrong.expected("a name that ends in .txt, .csv or .toml"));
         return Err(report.found);
     };
-    let given = match options.against {
-        Against::Mission(mission) => Some(mission),
-        Against::Own | Against::Nothing => None,
-    };
     let native = match kind {
         Kind::Txt => Native::of_tasks(smaarte::txt(&mut report, options.conflict)),
         Kind::Csv => Native::of_tasks(smaarte::csv(&mut report, options.conflict)),
-        Kind::Toml => native::read(&mut report, given),
+        Kind::Toml => native::read(&mut report, names),
     };
-    if given.is_some() && native.mission.is_some() {
+    if matches!(options.against, Against::Mission(_)) && native.mission.is_some() {
         let wrong = Wrong::new(Rule::Duplicate, "the file has a mission, and another one is given");
         report.error(native.mission_at.clone(), "mission", wrong.expected("one mission"));
     }

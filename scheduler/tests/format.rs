@@ -1,9 +1,13 @@
 //! Schedule files as people and spreadsheets write them.
 
+#[path = "format/arbitrary.rs"]
+mod arbitrary;
 #[path = "format/cases.rs"]
 mod cases;
 #[path = "format/native.rs"]
 mod native;
+#[path = "format/round_trip.rs"]
+mod round_trip;
 #[path = "format/smaarte.rs"]
 mod smaarte;
 #[path = "format/support.rs"]

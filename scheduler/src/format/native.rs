@@ -2,17 +2,17 @@
 
 pub(crate) mod keys;
 mod mission;
-mod steps;
+pub(crate) mod steps;
+mod syntax;
 mod table;
-mod task;
+pub(crate) mod task;
 pub(crate) mod value;
 
 use toml::de::DeTable;
 
-use crate::format::diagnostic::Rule;
 use crate::format::draft::Draft;
 use crate::format::native::table::Table;
-use crate::format::wrong::{Report, Wrong};
+use crate::format::wrong::Report;
 use crate::mission::Mission;
 
 /// What a native file has.
@@ -37,13 +37,10 @@ impl Native {
 /// mission, or else of the one that is given.
 pub(crate) fn read(report: &mut Report<'_>, given: Option<&Mission>) -> Native {
     let (document, errors) = DeTable::parse_recoverable(report.source.text());
-    let broken = !errors.is_empty();
-    for error in errors {
-        syntax(&error, report);
-    }
+    let syntax = syntax::Syntax::new(&errors, report);
     let mut top = Table::new(document.get_ref(), document.span(), "", report);
-    let mut native =
-        Native { drafts: Vec::new(), mission: None, mission_at: 0..0, mission_good: !broken };
+    let mut native = Native::of_tasks(Vec::new());
+    native.mission_good = errors.is_empty();
     if let Some((table, at)) = top.table("mission") {
         let before = top.report.found.len();
         native.mission = Some(mission::read(table, at.clone(), top.report));
@@ -57,18 +54,6 @@ pub(crate) fn read(report: &mut Report<'_>, given: Option<&Mission>) -> Native {
         native.drafts.push(task::read(table, at, names, top.report));
     }
     top.finish(keys::FILE);
+    syntax.tell(report);
     native
-}
-
-/// The parser goes on after a mistake, and can mention one place twice.
-fn syntax(error: &toml::de::Error, report: &mut Report<'_>) {
-    let at = error.span().unwrap_or_default();
-    let start = report.source.place(at.clone());
-    let told = |known: &crate::format::Diagnostic| {
-        known.rule == Rule::Syntax && known.place.line == start.line
-    };
-    if !report.found.iter().any(told) {
-        let message = error.message().lines().next().unwrap_or("this is not TOML");
-        report.error(at, "", Wrong::new(Rule::Syntax, message).expected("TOML"));
-    }
 }

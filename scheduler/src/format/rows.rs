@@ -137,21 +137,22 @@ impl<'a, 'b> Fields<'a, 'b> {
 /// are not closed.
 fn judge(source: &Source<'_>, text: String, at: Range<usize>) -> (Cell, Option<(Wrong, bool)>) {
     let raw = source.slice(at.clone());
-    let bare = raw.trim_start();
+    let bare = raw.trim_ascii_start();
     let wrong = match bare.strip_prefix('"') {
         None => None,
         Some(_) if bare.len() < raw.len() => Some((spaced(), false)),
         Some(inside) => match closing(inside) {
             None => Some((unclosed(), true)),
-            Some(rest) if rest.trim().is_empty() => None,
+            Some(rest) if rest.trim_ascii().is_empty() => None,
             Some(_) if raw.contains(['\r', '\n']) => Some((unclosed(), true)),
             Some(_) => Some((trailing(), false)),
         },
     };
     let start = if bare.is_empty() { at.start } else { at.end - bare.len() };
-    let shown = bare.split(['\r', '\n']).next().unwrap_or_default().trim_end();
-    let end = if wrong.is_some() { start + shown.len() } else { start + bare.trim_end().len() };
-    (Cell { text: text.trim().to_owned(), at: start..end, good: wrong.is_none() }, wrong)
+    let shown = bare.split(['\r', '\n']).next().unwrap_or_default().trim_ascii_end();
+    let end =
+        if wrong.is_some() { start + shown.len() } else { start + bare.trim_ascii_end().len() };
+    (Cell { text: text.trim_ascii().to_owned(), at: start..end, good: wrong.is_none() }, wrong)
 }
 
 /// What follows the closing quote; `None` where there is none.
@@ -197,13 +198,13 @@ pub(crate) fn of_txt(source: &Source<'_>, fields: usize) -> Vec<Row> {
 fn words(line: &str, start: usize, fields: usize) -> Row {
     let mut row = Row::default();
     let mut rest = line;
-    while !rest.trim_start().is_empty() {
-        rest = rest.trim_start();
+    while !rest.trim_ascii_start().is_empty() {
+        rest = rest.trim_ascii_start();
         let last = row.cells.len() == fields;
-        let length = if last { None } else { rest.find(char::is_whitespace) };
+        let length = if last { None } else { rest.find(|one: char| one.is_ascii_whitespace()) };
         let word = rest.get(..length.unwrap_or(rest.len())).unwrap_or_default();
         let from = start + line.len() - rest.len();
-        let text = word.trim_end().to_owned();
+        let text = word.trim_ascii_end().to_owned();
         let at = from..from + text.len();
         row.cells.push(Cell { text, at, good: true });
         rest = rest.get(word.len()..).unwrap_or_default();

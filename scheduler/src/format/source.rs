@@ -50,7 +50,7 @@ impl<'a> Source<'a> {
 
     /// What stands there.
     pub(crate) fn slice(&self, span: Range<usize>) -> &'a str {
-        self.text.get(span).unwrap_or_default()
+        self.text.get(span.start..span.end.min(self.text.len())).unwrap_or_default()
     }
 
     /// Line and column of a span.
@@ -67,9 +67,21 @@ impl<'a> Source<'a> {
         self.lines.partition_point(|start| *start <= at)
     }
 
+    /// Where each line begins.
+    pub(crate) fn line_starts(&self) -> &[usize] {
+        &self.lines
+    }
+
     /// Where the line of this number begins.
     fn line_start(&self, line: usize) -> usize {
         self.lines.get(line.saturating_sub(1)).copied().unwrap_or(self.text.len())
+    }
+
+    /// The line in which a byte stands, its end included, and the end of the
+    /// file as one more byte.
+    pub(crate) fn line(&self, at: usize) -> Range<usize> {
+        let line = self.line_of(at);
+        self.line_start(line)..self.lines.get(line).copied().unwrap_or(self.text.len() + 1)
     }
 
     /// Where the line after the one of this byte begins.

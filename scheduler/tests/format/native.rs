@@ -147,12 +147,17 @@ fn every_wrong_value_is_told_at_its_place() {
 
 #[test]
 fn several_mistakes_of_syntax_are_told_at_once() {
-    let text = "[[task]]\nid = \nrun = \"a\nhold = true\n[[task]\nid = 5\n";
-    let lines: Vec<_> =
-        bad("a.toml", text).into_iter().map(|(line, _, rule)| (line, rule)).collect();
-    for line in [2, 3, 5] {
-        assert!(lines.contains(&(line, Rule::Syntax)), "{lines:?}");
-    }
+    let text = "[[task]]\nid = \nrun = \"a\nhold = 3\n[[task]\nid = 5\nhold = true\n\
+                [[task]]\nid = 6\nhold = 7\n[[task]]\nid 8\nhold = true";
+    let expected = [
+        (2, 6, Rule::Syntax),
+        (3, 9, Rule::Syntax),
+        (4, 8, Rule::Duplicate),
+        (5, 8, Rule::Syntax),
+        (10, 8, Rule::Value),
+        (12, 4, Rule::Syntax),
+    ];
+    assert_eq!(bad("a.toml", text), expected);
 }
 
 #[test]

@@ -50,6 +50,10 @@ fn agents(table: &mut Table<'_, '_, '_>, mission: &mut Mission) {
         return;
     }
     mission.agents.clear();
+    if matches!(table.value("agent"), Some((DeValue::Array(all), _)) if all.is_empty()) {
+        let wrong = Wrong::new(Rule::Missing, "there is no agent").expected("at least one");
+        table.error(table.span("agent"), "agent", wrong);
+    }
     let mut names = Unique::default();
     for (inner, at) in table.tables("agent") {
         let mut inner = Table::new(inner, at, "mission.agent.", table.report);
