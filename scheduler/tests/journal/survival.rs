@@ -154,6 +154,28 @@ fn an_armed_task_of_a_killed_manager_was_not_started() {
     assert!(!restored.tasks[0].may_have_started);
 }
 
+/// Of two writes the first was lost and the second was not: the second is cut
+/// off, for good. It does not come back with the next loss of power, when what
+/// was written in place of the first one happens to be as long.
+#[test]
+fn what_was_cut_off_never_comes_back() {
+    let disk = Disk::default();
+    let (mut journal, ..) = open(&disk);
+    journal.append(&accepted(task(1))).unwrap();
+    journal.commit().unwrap();
+    // The first write is the note that the journal was opened.
+    let mut fates = [2, 0].into_iter();
+    disk.cut_power(&mut |_| fates.next().expect("two writes"));
+    let (_, restored, opened) = open(&disk);
+    assert!(restored.tasks.is_empty() && opened.torn > 0);
+
+    // The cut, were it not durable, and the same note once more.
+    let mut fates = [2, 0].into_iter();
+    disk.cut_power(&mut |_| fates.next().expect("at most two"));
+    let (_, restored, _) = open(&disk);
+    assert!(restored.tasks.is_empty(), "it came back");
+}
+
 /// A full disk: the batch waits, nothing of it stands in the way, and when
 /// there is room again it is written.
 #[test]
