@@ -43,6 +43,10 @@ agents/lost-bar | bars::bar_against_preemption | Closed Door: a restoration undi
 agents/noted-early | bars::bar_against_grant | Restoration: a reinstated ticket is valid
 agents/stale-estimate | hand_over::only_fresh_estimates_credit | Margin Kept: an old estimate was credited
 agents/taken-in-vain | sets::taken_in_vain | Highest First: a victim was taken in vain
+scheduler/look-then-enter | shut_entrance | Causality violation: Concurrent read and write accesses
+scheduler/relaxed-leave | shut_entrance | Causality violation: Concurrent read and write accesses
+scheduler/ring-first | no_lost_beat | No Lost Beat: a beat waits, and nobody was rung for it
+scheduler/silent-leave | shut_entrance | Shut Entrance: nobody told that the last one has left
 "
 
 explore() {
@@ -56,6 +60,10 @@ all_models() {
         cat target/loom/models.log
         return 1
     }
+    explore -p faregate-scheduler-models -- --nocapture >>target/loom/models.log || {
+        cat target/loom/models.log
+        return 1
+    }
     grep -o 'model [a-z_]*: [0-9]* executions' target/loom/models.log | tr -d : | sort |
         awk '{ printf "%-32s %9d executions\n", $2, $3 }'
 }
@@ -65,8 +73,11 @@ all_models() {
 kill_mutant() {
     local crate=${1%%/*} mutant=mutant-${1#*/} model=$2 claim=$3
     local log=target/loom/$mutant.log
-    if explore -p faregate-agents --features "faregate-$crate/$mutant" --test loom -- \
-        --nocapture --exact "$model" >"$log" || ! grep -Fq "$claim" "$log"; then
+    local models=(-p faregate-agents --features "faregate-$crate/$mutant" --test loom)
+    if [[ $crate == scheduler ]]; then
+        models=(-p faregate-scheduler-models --features "$mutant")
+    fi
+    if explore "${models[@]}" -- --nocapture --exact "$model" >"$log" || ! grep -Fq "$claim" "$log"; then
         tail -n 20 "$log"
         echo "$mutant survives $model, which should say '$claim'" >&2
         return 1
@@ -79,7 +90,7 @@ if [[ ${1:-} == --help ]]; then
     exit
 fi
 for mutant in "$@"; do
-    grep -Eq "^(tickets|agents)/$mutant \|" <<<"$mutants" || {
+    grep -Eq "^(tickets|agents|scheduler)/$mutant \|" <<<"$mutants" || {
         echo "there is no mutant $mutant; see the table in $0" >&2
         exit 2
     }

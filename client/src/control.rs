@@ -5,13 +5,11 @@ use std::os::unix::net::UnixStream;
 use std::path::Path;
 use std::time::Duration;
 
-use serde_json::Value;
-
 use crate::wire::control::{
     Answer, Ask, MAX_LINE, MAX_ROWS, Said, Status, StatusQuery, TaskRow, Window,
 };
 use crate::wire::{Asked, Id, line};
-use crate::{Error, PROTOCOL, Refused};
+use crate::{Error, PROTOCOL, Refused, Watch};
 
 /// How long a manager has for an answer, at first.
 const TIMEOUT: Duration = Duration::from_secs(30);
@@ -188,7 +186,7 @@ impl Control {
     pub fn watch(mut self) -> Result<Watch, Error> {
         self.done(Ask::Watch)?;
         self.set_timeout(None)?;
-        Ok(Watch { control: self })
+        Ok(Watch::over(self))
     }
 
     fn done(&mut self, ask: Ask) -> Result<(), Error> {
@@ -231,7 +229,7 @@ impl Control {
         }
     }
 
-    fn hear(&mut self) -> Result<Said, Error> {
+    pub(crate) fn hear(&mut self) -> Result<Said, Error> {
         let room = u64::try_from(MAX_LINE - self.begun.len()).unwrap_or(u64::MAX);
         match self.stream.by_ref().take(room).read_until(b'\n', &mut self.begun) {
             Ok(_) => {}
@@ -255,46 +253,6 @@ impl Control {
             }
             ErrorKind::ConnectionReset | ErrorKind::BrokenPipe => Error::Closed,
             _ => Error::Io(error),
-        }
-    }
-}
-
-/// The changes of a schedule, one after the other.
-#[derive(Debug)]
-pub struct Watch {
-    control: Control,
-}
-
-/// A change, or what is known of those that were not told.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Change {
-    /// A change.
-    Note {
-        /// When, by the manager's clock that never jumps, in microseconds.
-        at_us: u64,
-        /// When, by the time of day, in microseconds since 1970.
-        unix_us: i64,
-        /// The change, as the schedule manager's `Note` writes it.
-        note: Value,
-    },
-    /// So many changes were not told, since this program reads too slowly.
-    Lost(u64),
-}
-
-impl Watch {
-    /// Waits for the next change.
-    ///
-    /// # Errors
-    /// [`Error::Closed`] when the manager has stopped.
-    pub fn wait(&mut self) -> Result<Change, Error> {
-        loop {
-            match self.control.hear()? {
-                Said::Note { at_us, unix_us, note } => {
-                    return Ok(Change::Note { at_us, unix_us, note });
-                }
-                Said::Lost(count) => return Ok(Change::Lost(count)),
-                Said::Hello { .. } | Said::Answer { .. } => {}
-            }
         }
     }
 }

@@ -48,12 +48,14 @@ mod error;
 pub mod exit;
 mod refused;
 mod sys;
+mod watch;
 pub mod wire;
 
 pub use command::{CommandPort, Notices, Reply};
-pub use control::{Change, Control, Watch};
+pub use control::Control;
 pub use error::Error;
 pub use refused::{Problem, RefusalKind, Refused};
+pub use watch::{Change, Watch};
 
 /// The version of both protocols. It changes when a message of an older one
 /// would be misunderstood; what only adds to it does not change it.

@@ -25,6 +25,7 @@
 
 mod client;
 mod convert;
+mod door;
 mod lines;
 mod link;
 mod listen;

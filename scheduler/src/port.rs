@@ -22,8 +22,9 @@
 //! a slow device, a flood or a reader that sleeps costs nobody but its own
 //! attempt; heartbeats are heard even while a command is in progress.
 //!
-//! Between the threads lie one atomic word per attempt (see [`Entrance`]), one
-//! flag for heartbeats, and channels.
+//! Between the threads lie one atomic word per attempt ([`Entrance`]), one flag
+//! for heartbeats ([`Beat`]), and channels. The first two have models of their
+//! own in `scheduler/models`.
 //!
 //! # Limits
 //!
@@ -33,6 +34,7 @@
 //! reading thread: a process that passes a TCP socket which lingers at its
 //! close can delay the other attempts' ports by it, though not the manager.
 
+mod beat;
 mod connection;
 mod counts;
 mod entrance;
@@ -40,6 +42,7 @@ mod server;
 mod thread;
 mod worker;
 
+pub use beat::Beat;
 pub use connection::WhyClosed;
 pub use counts::PortCounts;
 pub use entrance::{Entrance, Inside, Quiet};

@@ -3,14 +3,13 @@
 use std::collections::HashMap;
 use std::io;
 use std::os::fd::{AsFd, OwnedFd};
-use std::os::unix::net::UnixStream;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
 use crossbeam::channel::{Receiver, Sender, TrySendError};
 use faregate_client::wire::control::{Answer, Ask, Said, parse};
 use faregate_client::wire::{Asked as SaidAsk, line};
-use faregate_client::{PROTOCOL, RefusalKind, Refused};
+use faregate_client::{RefusalKind, Refused};
 use rustix::event::epoll::{self, EventData, EventFlags};
 use rustix::io::Errno;
 use rustix::time::Timespec;
@@ -35,20 +34,20 @@ pub(super) struct Tools {
 }
 
 pub(super) struct Server {
-    epoll: OwnedFd,
-    listening: Listening,
+    pub(super) epoll: OwnedFd,
+    pub(super) listening: Listening,
     /// The host has no descriptor left: nobody is let in for a while.
-    is_short: bool,
+    pub(super) is_short: bool,
     bell: Waker,
-    tools: Tools,
-    clients: HashMap<u64, Client>,
+    pub(super) tools: Tools,
+    pub(super) clients: HashMap<u64, Client>,
     asked: HashMap<AskId, u64>,
     last_client: u64,
     last_ask: u64,
 }
 
 const BELL: u64 = 0;
-const LISTENER: u64 = 1;
+pub(super) const LISTENER: u64 = 1;
 
 /// How long nobody is let in when the host is short of descriptors.
 const SHORT: Timespec = Timespec { tv_sec: 1, tv_nsec: 0 };
@@ -97,55 +96,7 @@ impl Server {
         }
     }
 
-    fn listen(&self, flags: EventFlags) {
-        let data = EventData::new_u64(LISTENER);
-        let _ = epoll::modify(&self.epoll, &self.listening.listener, data, flags);
-    }
-
-    fn let_in(&mut self) {
-        match self.listening.listener.accept() {
-            Ok((stream, _)) => self.greet(stream),
-            Err(error) if is_short(&error) => {
-                // Whoever waits stays in the queue, and would wake us again at
-                // once.
-                self.is_short = true;
-                self.listen(EventFlags::empty());
-            }
-            // Who knocked has gone again.
-            Err(_) => {}
-        }
-    }
-
-    fn greet(&mut self, stream: UnixStream) {
-        let welcome = may_come_in(&stream).and_then(|()| self.has_room());
-        if stream.set_nonblocking(true).is_err() {
-            return;
-        }
-        let mut client = Client::new(stream);
-        match welcome {
-            Err(why) => {
-                self.tools.shared.turned_away.fetch_add(1, Relaxed);
-                client.answer(None, Answer::Refused(why));
-                let _ = client.send();
-            }
-            Ok(()) => {
-                self.tools.shared.clients.fetch_add(1, Relaxed);
-                let program = concat!("faregate ", env!("CARGO_PKG_VERSION")).into();
-                client.say(&Said::Hello { protocol: PROTOCOL, program });
-                self.admit(client);
-            }
-        }
-    }
-
-    fn has_room(&self) -> Result<(), Refused> {
-        if self.clients.len() < MAX_CLIENTS {
-            return Ok(());
-        }
-        let why = format!("the manager serves {MAX_CLIENTS} clients already");
-        Err(Refused::new(RefusalKind::Busy, why))
-    }
-
-    fn admit(&mut self, client: Client) {
+    pub(super) fn admit(&mut self, client: Client) {
         let token = self.last_client + 1;
         let data = EventData::new_u64(token);
         if epoll::add(&self.epoll, &client, data, EventFlags::IN).is_ok() {
@@ -286,21 +237,4 @@ fn told_line(now: Now, note: &Note) -> Option<Vec<u8>> {
     let note = serde_json::to_value(note).ok()?;
     let (at_us, unix_us) = (now.elapsed.as_micros(), now.wall.as_micros());
     line(&Said::Note { at_us, unix_us, note }).ok()
-}
-
-fn is_short(error: &io::Error) -> bool {
-    let short = [Errno::MFILE, Errno::NFILE, Errno::NOBUFS, Errno::NOMEM];
-    Errno::from_io_error(error).is_some_and(|error| short.contains(&error))
-}
-
-/// The manager's own user, and root. The socket's permissions say the same;
-/// they can be changed by mistake.
-fn may_come_in(stream: &UnixStream) -> Result<(), Refused> {
-    let ours = rustix::process::geteuid();
-    let theirs = rustix::net::sockopt::socket_peercred(stream).map(|peer| peer.uid);
-    if theirs.is_ok_and(|theirs| theirs == ours || theirs.is_root()) {
-        return Ok(());
-    }
-    let why = "the manager takes telecommands of its own user and of root";
-    Err(Refused::new(RefusalKind::NotPermitted, why))
 }

@@ -46,6 +46,13 @@ impl Entrance {
 
     /// Enters, unless it is closed.
     pub fn enter(&self) -> Option<Inside<'_>> {
+        if cfg!(feature = "mutant-look-then-enter") {
+            let open = self.0.load(Ordering::Acquire) & CLOSED == 0;
+            return open.then(|| {
+                self.0.fetch_add(ONE, Ordering::Acquire);
+                Inside(self)
+            });
+        }
         // Relaxed: the word guards no memory on the way in. That the tickets
         // are those of this attempt is what the order of the word itself gives.
         let entered = self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |word| {
@@ -107,6 +114,12 @@ impl Entrance {
     fn step_out(&self) -> Quiet {
         // Release: see `close`. The chain of the word's changes carries it on
         // from those who left before.
-        quiet(self.0.fetch_sub(ONE, Ordering::Release) - ONE)
+        let order = if cfg!(feature = "mutant-relaxed-leave") {
+            Ordering::Relaxed
+        } else {
+            Ordering::Release
+        };
+        let left = self.0.fetch_sub(ONE, order) - ONE;
+        if cfg!(feature = "mutant-silent-leave") { Quiet::NotYet } else { quiet(left) }
     }
 }

@@ -4,7 +4,6 @@ use std::collections::HashMap;
 use std::io;
 use std::os::fd::OwnedFd;
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 use std::thread::JoinHandle;
 
 use crossbeam::channel::{Sender, unbounded};
@@ -62,8 +61,7 @@ impl CommandServer {
     /// A step for each attempt that runs.
     pub fn poll(&self, events: &mut Vec<Event>) {
         self.0.lines.lock().retain(|attempt, line| {
-            // AcqRel: the next beat is either seen now, or rings again.
-            if line.heard.swap(false, Ordering::AcqRel) && !line.entrance.is_closed() {
+            if line.beat.take() && !line.entrance.is_closed() {
                 events.push(Event::Heartbeat { attempt: *attempt });
             }
             line.entrance.quiet() == Quiet::NotYet

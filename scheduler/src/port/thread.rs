@@ -213,11 +213,8 @@ impl Reader {
 
     fn beat(&self, attempt: Attempt) {
         self.tools.counts.heartbeats.fetch_add(1, Ordering::Relaxed);
-        // AcqRel: with the swap of who takes it. The bell rings once for all
-        // beats until then.
-        let heard = self.attempts.get(&attempt).map(|port| &port.line.heard);
-        if heard.is_some_and(|heard| !heard.swap(true, Ordering::AcqRel)) {
-            self.tools.manager.wake();
+        if let Some(port) = self.attempts.get(&attempt) {
+            port.line.beat.beat(|| self.tools.manager.wake());
         }
     }
 

@@ -4,7 +4,6 @@ use core::sync::atomic::Ordering::Relaxed;
 use std::collections::BTreeSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use crossbeam::channel::Receiver;
 use faregate_client::wire::Id;
@@ -14,6 +13,7 @@ use parking_lot::Mutex;
 
 use crate::executive::{CommandRefused, Commands, RefusedKind, Waker};
 use crate::manager::Attempt;
+use crate::port::beat::Beat;
 use crate::port::connection::Connection;
 use crate::port::counts::Counting;
 use crate::port::entrance::{Entrance, Quiet};
@@ -24,7 +24,7 @@ pub(super) struct Line {
     pub(super) attempt: Attempt,
     pub(super) entrance: Entrance,
     /// Whether a heartbeat came since the manager's thread last asked.
-    pub(super) heard: AtomicBool,
+    pub(super) beat: Beat,
     /// The gates that the attempt has commanded. Never locked by the manager's
     /// thread.
     pub(super) commanded: Mutex<BTreeSet<String>>,
@@ -32,12 +32,7 @@ pub(super) struct Line {
 
 impl Line {
     pub(super) fn new(attempt: Attempt) -> Self {
-        Self {
-            attempt,
-            entrance: Entrance::new(),
-            heard: AtomicBool::new(false),
-            commanded: Mutex::default(),
-        }
+        Self { attempt, entrance: Entrance::new(), beat: Beat::new(), commanded: Mutex::default() }
     }
 }
 
