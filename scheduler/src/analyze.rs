@@ -39,7 +39,6 @@ use core::fmt;
 use faregate_agents::Categories;
 
 use crate::analyze::trace::trace;
-use crate::analyze::track::Track;
 use crate::executive::{Conduct, LoadedFile, expected};
 use crate::mission::{DeviceSpec, Mission};
 use crate::task::Task;
@@ -159,7 +158,7 @@ fn look(
     Ok(Analysis {
         makespan: trace.makespan(),
         horizon: trace.horizon,
-        tasks: trace.tracks.into_iter().map(Track::report).collect(),
+        tasks: trace.tracks.into_iter().map(|track| track.report(trace.horizon)).collect(),
         problems,
         samples,
         utilisation,

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use crate::analyze::report::RunOutcome;
 use crate::analyze::track::Track;
 use crate::analyze::{Failed, Options, Surroundings};
 use crate::executive::{Conduct, LoadedFile, Outside, Stuck, VirtualBodies, VirtualExecutive};
@@ -182,10 +183,12 @@ impl Trace {
         self.index.get(&task).and_then(|index| self.tracks.get(*index))
     }
 
-    /// The end of the last run that is not a routine task's.
+    /// The end of the last run that is not a routine task's. One that will be
+    /// run again is not at its end.
     pub(super) fn makespan(&self) -> Option<Duration> {
         let once = self.tracks.iter().filter(|track| !is_routine(&track.task));
-        once.flat_map(|track| track.runs.iter().filter_map(|run| run.end)).max()
+        let runs = once.flat_map(|track| &track.runs);
+        runs.filter(|run| run.outcome != RunOutcome::Preempted).filter_map(|run| run.end).max()
     }
 
     /// Finds a reason for waits of which nothing was told: the manager tells of

@@ -232,6 +232,7 @@ impl Track {
         self.settle_reason(horizon);
         if cut {
             self.runs.retain(|run| run.start < horizon);
+            self.is_not_taken_at(horizon);
         }
         let paused = self.runs.last().is_some_and(|run| run.end.is_none());
         if let Some(since) = self.since.take() {
@@ -252,6 +253,19 @@ impl Track {
         self.close_segment(horizon);
     }
 
+    /// Who takes something at the horizon is beyond it.
+    fn is_not_taken_at(&mut self, horizon: Duration) {
+        let last = self
+            .runs
+            .last_mut()
+            .filter(|run| run.outcome == RunOutcome::Preempted && run.end == Some(horizon));
+        if let Some(run) = last {
+            run.outcome = RunOutcome::Unfinished;
+            run.end = None;
+            self.since = None;
+        }
+    }
+
     pub(super) fn longest_reason(&self) -> Option<&str> {
         let never = self.never.as_ref().map(|(_, why)| why.as_str());
         let long = self.reasons.iter().max_by_key(|(_, long)| *long).map(|(why, _)| why.as_str());
@@ -259,13 +273,13 @@ impl Track {
     }
 
     /// What is told of it in the end.
-    pub(super) fn report(self) -> TaskReport {
+    pub(super) fn report(self, horizon: Duration) -> TaskReport {
         TaskReport {
             id: self.task.id,
             waited: self.waited(),
             reason: self.reason(),
             more: Picture {
-                windows: self.windows_that_were_seen(),
+                windows: self.windows_that_were_seen(horizon),
                 name: called(&self.task),
                 priority: self.task.priority.level(),
                 categories: self.task.categories,
@@ -285,10 +299,10 @@ impl Track {
     }
 
     /// Those that close: one that stays open is no window to look at.
-    fn windows_that_were_seen(&self) -> Vec<(Duration, Option<Duration>)> {
+    fn windows_that_were_seen(&self, horizon: Duration) -> Vec<(Duration, Option<Duration>)> {
         let last = self.seen.unwrap_or(self.first);
         let all = (self.first..=last).flat_map(|occurrence| self.windows(occurrence));
-        all.filter(|(_, closes)| closes.is_some()).collect()
+        all.filter(|(opens, closes)| closes.is_some() && *opens < horizon).collect()
     }
 
     /// How long it was due and did not run.

@@ -1,12 +1,11 @@
 //! A week of an Earth-observing satellite: 7 800 activities, as EO-1 flew them.
 
 use faregate_agents::Categories;
+use faregate_scheduler::TaskId;
 use faregate_scheduler::mission::{AgentSpec, Mission};
 use faregate_scheduler::task::{Body, Task, TaskPriority, When, Window};
 use faregate_scheduler::time::Duration;
 use faregate_tickets::amount::Milliwatts;
-
-use super::{id, s};
 
 /// Seconds of an orbit, and how many of them are in a week.
 const ORBIT: u64 = 5_933;
@@ -55,6 +54,14 @@ pub(crate) fn tasks() -> Vec<Task> {
     let keeping = (0..).map(|hour| KEEPING.at(hour * 3_600 / 10 + 17));
     let numbered = scenes.chain(passes).chain(keeping).zip(1..).take(PLANNED);
     numbered.map(|(task, number)| Task { id: id(number), ..task }).collect()
+}
+
+fn id(number: u32) -> TaskId {
+    TaskId::new(number).expect("tasks count from 1")
+}
+
+const fn s(seconds: u64) -> Duration {
+    Duration::from_secs(seconds)
 }
 
 const DOWNLINK: Activity =

@@ -22,13 +22,15 @@ pub(super) fn draw(rows: &[Row], scale: &Scale, (left, middle): (f64, f64)) -> G
         })
     };
     let mut group = Group::new();
-    for (words, sign, is_used) in signs() {
-        if lanes().any(is_used) {
-            group = group.add(sample(&sign, x, middle)).add(said(words, x, middle));
-            x += SIGN + length(words) + 22.0;
+    let is_crowded = |lane: &Lane| is_crowded(lane.runs.len(), scale);
+    for Sign { words, lane, is_end, is_used } in signs() {
+        // Runs that cannot be told apart are drawn without their ends.
+        if lanes().any(|lane| is_used(lane) && !(is_end && is_crowded(lane))) {
+            group = group.add(sample(&lane, x, middle)).add(said(words, x, middle));
+            x += SIGN + length(words) + 30.0;
         }
     }
-    if lanes().any(|lane| is_crowded(lane.runs.len(), scale)) {
+    if lanes().any(is_crowded) {
         let words = "paler: part of the time";
         let pale = bar((x, x + SIGN), middle - 6.0, 12.0, TONES[0]).set("fill-opacity", "0.35");
         group = group.add(pale).add(said(words, x, middle));
@@ -37,7 +39,7 @@ pub(super) fn draw(rows: &[Row], scale: &Scale, (left, middle): (f64, f64)) -> G
 }
 
 fn said(words: &str, x: f64, middle: f64) -> svg::node::element::Text {
-    text(x + SIGN + 6.0, middle + 4.0, words).set("fill", GREY)
+    text(x + SIGN + 9.0, middle + 4.0, words).set("fill", GREY)
 }
 
 /// The sign as the rows draw it.
@@ -46,28 +48,41 @@ fn sample(lane: &Lane, x: f64, middle: f64) -> Group {
     lane::draw(lane, Place { top: middle - 10.0, height: 20.0 }, &scale)
 }
 
-type Sign = (&'static str, Lane, fn(&Lane) -> bool);
+/// A thing that can be in a picture.
+struct Sign {
+    words: &'static str,
+    /// A row that has nothing else.
+    lane: Lane,
+    /// Whether it is the end of a run.
+    is_end: bool,
+    is_used: fn(&Lane) -> bool,
+}
 
 fn signs() -> [Sign; 9] {
     let at = Duration::from_secs;
     let whole = (at(0), at(10));
-    let run = |outcome| Lane { runs: vec![piece(outcome)], ..Lane::default() };
+    let empty = Lane::default;
+    let sign = |words, lane, is_used| Sign { words, lane, is_end: false, is_used };
+    let end = |words, outcome, is_used| {
+        let lane = Lane { runs: vec![piece(outcome)], ..empty() };
+        Sign { words, lane, is_end: true, is_used }
+    };
     [
-        ("window", Lane { windows: vec![whole], ..Lane::default() }, |lane| {
-            !lane.windows.is_empty()
+        sign("window", Lane { windows: vec![whole], ..empty() }, |lane| !lane.windows.is_empty()),
+        sign("waits", Lane { waits: vec![whole], ..empty() }, |lane| !lane.waits.is_empty()),
+        sign("runs", Lane { runs: vec![piece(RunOutcome::Succeeded)], ..empty() }, |lane| {
+            !lane.runs.is_empty()
         }),
-        ("waits", Lane { waits: vec![whole], ..Lane::default() }, |lane| !lane.waits.is_empty()),
-        ("runs", run(RunOutcome::Succeeded), |lane| !lane.runs.is_empty()),
-        ("paused", Lane { pauses: vec![whole], ..Lane::default() }, |lane| !lane.pauses.is_empty()),
-        ("to be run again", run(RunOutcome::Preempted), |lane| {
+        sign("paused", Lane { pauses: vec![whole], ..empty() }, |lane| !lane.pauses.is_empty()),
+        end("to be run again", RunOutcome::Preempted, |lane| {
             ends_with(lane, &[RunOutcome::Preempted])
         }),
-        ("failed or ended", run(RunOutcome::Failed), |lane| {
+        end("failed or ended", RunOutcome::Failed, |lane| {
             ends_with(lane, &[RunOutcome::Failed, RunOutcome::Aborted])
         }),
-        ("goes on", run(RunOutcome::Unfinished), |lane| ends_with(lane, &[RunOutcome::Unfinished])),
-        ("gap", Lane { gaps: vec![whole], ..Lane::default() }, |lane| !lane.gaps.is_empty()),
-        ("missed", Lane { misses: vec![at(5)], ..Lane::default() }, |lane| !lane.misses.is_empty()),
+        end("goes on", RunOutcome::Unfinished, |lane| ends_with(lane, &[RunOutcome::Unfinished])),
+        sign("gap", Lane { gaps: vec![whole], ..empty() }, |lane| !lane.gaps.is_empty()),
+        sign("missed", Lane { misses: vec![at(5)], ..empty() }, |lane| !lane.misses.is_empty()),
     ]
 }
 

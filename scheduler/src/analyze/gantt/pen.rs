@@ -29,10 +29,10 @@ pub(super) fn tenth(place: f64) -> f64 {
 }
 
 /// About how long these words are. Nobody knows the reader's font; this is
-/// right for Helvetica, and a little too much for most others.
+/// right for Helvetica, in words of many small letters.
 pub(super) fn length(words: &str) -> f64 {
     let letters = u32::try_from(words.chars().count()).unwrap_or(u32::MAX);
-    f64::from(letters) * TEXT * 0.54
+    f64::from(letters) * TEXT * 0.5
 }
 
 /// The beginning of these words, if they are longer than that.

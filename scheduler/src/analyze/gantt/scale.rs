@@ -32,6 +32,9 @@ const STEPS: [(Unit, &[u64]); 5] = [
     (DAYS, &[1, 2, 5, 7, 14, 28, 56, 91, 182, 364, 728]),
 ];
 
+/// More hours than these are counted in days.
+const COUNTED_HOURS: u64 = 96;
+
 /// Pixels between two numbers, at least.
 const APART: f64 = 62.0;
 
@@ -63,7 +66,11 @@ impl Scale {
     /// The least step that leaves room for the numbers; beyond the longest, as
     /// often doubled as that takes.
     fn step(&self) -> (Unit, u64) {
+        let in_days = self.until.as_micros() / HOURS.micros > COUNTED_HOURS;
         let fits = |unit: Unit, step: u64| {
+            if unit == HOURS && in_days {
+                return false;
+            }
             let step = Duration::from_micros(unit.micros.saturating_mul(step));
             self.place(step) - self.left >= APART || step >= self.until
         };
@@ -75,19 +82,21 @@ impl Scale {
 
 /// An instant in words, in the units that people use.
 pub(super) fn say(at: Duration) -> String {
-    let seconds = at.as_micros() / 1_000_000;
-    let rest = at.as_micros() % 1_000_000;
-    let fraction = if rest == 0 {
-        String::new()
-    } else {
-        format!(".{rest:06}").trim_end_matches('0').to_owned()
-    };
-    let (days, hours, minutes) = (seconds / 86_400, seconds / 3_600 % 24, seconds / 60 % 60);
-    match seconds {
-        0..120 => format!("{seconds}{fraction} s"),
-        120..86_400 => format!("{hours}:{minutes:02}:{:02}{fraction} h", seconds % 60),
-        _ => format!("{days} d {hours:02}:{minutes:02}:{:02}{fraction}", seconds % 60),
+    let micros = at.as_micros();
+    let seconds = micros / 1_000_000 % 60;
+    let fraction = format!(".{:06}", micros % 1_000_000);
+    let fraction = fraction.trim_end_matches('0').trim_end_matches('.');
+    let whole = |unit: Unit, of: u64| (micros / unit.micros % of, unit.name);
+    let large = [whole(DAYS, u64::MAX), whole(HOURS, 24), whole(MINUTES, 60)];
+    let mut said: Vec<_> = large
+        .into_iter()
+        .filter(|(number, _)| *number > 0)
+        .map(|(number, unit)| format!("{number} {unit}"))
+        .collect();
+    if said.is_empty() || seconds > 0 || !fraction.is_empty() {
+        said.push(format!("{seconds}{fraction} s"));
     }
+    said.join(" ")
 }
 
 #[cfg(test)]
@@ -120,6 +129,6 @@ mod tests {
     fn instants_are_said_as_people_say_them() {
         let said = [9_500_000, 4_265_000_000, 90_061_000_000];
         let said = said.map(|micros| say(Duration::from_micros(micros)));
-        assert_eq!(said, ["9.5 s", "1:11:05 h", "1 d 01:01:01"]);
+        assert_eq!(said, ["9.5 s", "1 h 11 min 5 s", "1 d 1 h 1 min 1 s"]);
     }
 }
