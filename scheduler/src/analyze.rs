@@ -20,11 +20,13 @@
 //! tells what follows from it.
 
 mod collide;
+mod explain;
 mod gantt;
 mod phase;
 mod problems;
 mod report;
 mod samples;
+mod summary;
 mod trace;
 mod track;
 mod utilisation;

@@ -8,7 +8,7 @@ use faregate_scheduler::analyze::{
 use faregate_scheduler::executive::LoadedFile;
 use faregate_scheduler::mission::{BatterySpec, Mission};
 use faregate_scheduler::task::{
-    Body, BuiltIn, Dependency, Preemption, Spread, Status, Task, When, Window,
+    Body, BuiltIn, CheckpointSignal, Dependency, Preemption, Spread, Status, Task, When, Window,
 };
 use faregate_scheduler::time::{Duration, UnixTime};
 use serde_json::{Value, json};
@@ -83,6 +83,19 @@ fn who_is_run_again_has_two_runs() {
     let outcomes: Vec<_> = report(&analysis, 1).runs.iter().map(|run| run.outcome).collect();
     assert_eq!(outcomes, [RunOutcome::Preempted, RunOutcome::Succeeded]);
     assert_eq!(seconds(report(&analysis, 1).waited), 5);
+}
+
+/// Who takes from a task that is checkpointed waits for its grace, and no
+/// longer.
+#[test]
+fn a_taker_waits_for_the_grace_of_a_checkpoint() {
+    let mut victim = task(1, 20, 1, 1);
+    let signal = CheckpointSignal::default();
+    victim.preemption = Preemption::Checkpoint { grace: s(3), signal };
+    let analysis = plain(&[victim, due(task(2, 5, 1, 2), 5)]);
+    assert_eq!(segments(&analysis, 2), [[(8, 13)]]);
+    // Five seconds of work were saved, and the grace was none.
+    assert_eq!(segments(&analysis, 1), [[(0, 8)], [(13, 28)]]);
 }
 
 #[test]

@@ -1,9 +1,9 @@
 //! What became of one task, from what the manager told of it.
 
 use crate::analyze::phase::{self, Offset, base, first_number, from_load};
-use crate::analyze::report::{Picture, Run, RunOutcome, TaskReport};
+use crate::analyze::report::{Run, RunOutcome};
 use crate::manager::{Attempt, WaitsFor};
-use crate::task::{Body, Outcome, Task};
+use crate::task::{Outcome, Task};
 use crate::time::{Duration, UnixTime};
 
 /// A task and its history.
@@ -15,7 +15,7 @@ pub(super) struct Track {
     /// The time of day at which it was accepted.
     wall: UnixTime,
     base: Offset,
-    first: u64,
+    pub(super) first: u64,
     pub(super) runs: Vec<Run>,
     pub(super) waits: Vec<(Duration, Duration)>,
     pub(super) misses: Vec<Duration>,
@@ -27,7 +27,7 @@ pub(super) struct Track {
     /// Since when the present attempt stands still, or was to be run again.
     since: Option<Duration>,
     /// The occurrence that is over or lives.
-    seen: Option<u64>,
+    pub(super) seen: Option<u64>,
     pub(super) ended: bool,
     pub(super) never: Option<(Duration, String)>,
     /// The latest end by its cutoff, and the first.
@@ -265,61 +265,4 @@ impl Track {
             self.since = None;
         }
     }
-
-    pub(super) fn longest_reason(&self) -> Option<&str> {
-        let never = self.never.as_ref().map(|(_, why)| why.as_str());
-        let long = self.reasons.iter().max_by_key(|(_, long)| *long).map(|(why, _)| why.as_str());
-        never.or(long)
-    }
-
-    /// What is told of it in the end.
-    pub(super) fn report(self, horizon: Duration) -> TaskReport {
-        TaskReport {
-            id: self.task.id,
-            waited: self.waited(),
-            reason: self.reason(),
-            more: Picture {
-                windows: self.windows_that_were_seen(horizon),
-                name: called(&self.task),
-                priority: self.task.priority.level(),
-                categories: self.task.categories,
-                gap: self.task.gap,
-                waits: self.waits,
-                misses: self.misses,
-                routine: self.task.interval.is_some(),
-            },
-            runs: self.runs,
-        }
-    }
-
-    /// Only where it matters: a task that never had to wait has none.
-    fn reason(&self) -> Option<String> {
-        let matters = self.never.is_some() || !self.waited().is_zero();
-        self.longest_reason().filter(|_| matters).map(str::to_owned)
-    }
-
-    /// Those that close: one that stays open is no window to look at.
-    fn windows_that_were_seen(&self, horizon: Duration) -> Vec<(Duration, Option<Duration>)> {
-        let last = self.seen.unwrap_or(self.first);
-        let all = (self.first..=last).flat_map(|occurrence| self.windows(occurrence));
-        all.filter(|(opens, closes)| closes.is_some() && *opens < horizon).collect()
-    }
-
-    /// How long it was due and did not run.
-    pub(super) fn waited(&self) -> Duration {
-        let waits = self.waits.iter().map(|(from, until)| until.saturating_sub(*from));
-        waits.fold(self.pauses, Duration::saturating_add)
-    }
-}
-
-/// What people call it, or the program that it runs.
-fn called(task: &Task) -> Option<String> {
-    let program = match &task.body {
-        Body::Process { program, .. } => program.rsplit('/').next().unwrap_or(program).to_owned(),
-        Body::Function { number, .. } => format!("function {number}"),
-        Body::Sequence(_) => "sequence".into(),
-        Body::Hold => "hold".into(),
-        Body::BuiltIn(_) => "built in".into(),
-    };
-    task.name.clone().or(Some(program))
 }

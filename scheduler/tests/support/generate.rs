@@ -38,8 +38,8 @@ pub(crate) struct Drawn {
 }
 
 fn drawn() -> impl Strategy<Value = Drawn> {
-    let times = (0_u64..30, 1_u64..12, proptest::option::weighted(0.3, 0_u64..20));
-    let interval = proptest::option::weighted(0.25, 14_u64..30);
+    let times = (0_u64..24, 3_u64..16, proptest::option::weighted(0.3, 0_u64..20));
+    let interval = proptest::option::weighted(0.25, 18_u64..30);
     let claims = (0_u8..8, 0_u8..6, 0_u8..4);
     let after = proptest::option::weighted(0.15, 0_usize..MOST);
     (times, interval, claims, after).prop_map(
