@@ -15,7 +15,7 @@ use crate::executive::{
 };
 use crate::manager::{Event, Manager, Reply, Restored, Telecommand};
 use crate::mission::Mission;
-use crate::time::Now;
+use crate::time::{Due, Instant, Now};
 
 /// A port that has file descriptors of its own to wait for. One that rings the
 /// [`Waker`] instead has none.
@@ -139,13 +139,26 @@ where
     /// # Errors
     /// The journal's: then nothing more is carried out, and the program must
     /// end.
-    pub fn run(&mut self, mut is_over: impl FnMut(&Manager, Now) -> bool) -> io::Result<()> {
+    pub fn run(&mut self, is_over: impl FnMut(&Manager, Now) -> bool) -> io::Result<()> {
+        self.run_until(Instant::FAR_FUTURE, is_over)
+    }
+
+    /// The same, and no longer than until `end`.
+    ///
+    /// # Errors
+    /// As [`HostExecutive::run`].
+    pub fn run_until(
+        &mut self,
+        end: Instant,
+        mut is_over: impl FnMut(&Manager, Now) -> bool,
+    ) -> io::Result<()> {
         loop {
             while self.turn()? {}
-            if is_over(self.driver.manager(), self.clock.now()) {
+            let now = self.clock.now();
+            if now.elapsed >= end || is_over(self.driver.manager(), now) {
                 return Ok(());
             }
-            self.wait()?;
+            self.wait_until(end)?;
         }
     }
 
@@ -177,7 +190,13 @@ where
     /// # Errors
     /// The kernel's.
     pub fn wait(&mut self) -> io::Result<()> {
-        self.timers.arm(self.driver.next_due(&self.bodies, &self.tickets))?;
+        self.wait_until(Instant::FAR_FUTURE)
+    }
+
+    fn wait_until(&mut self, end: Instant) -> io::Result<()> {
+        let Due { elapsed, wall } = self.driver.next_due(&self.bodies, &self.tickets);
+        let elapsed = elapsed.into_iter().chain([end]).min();
+        self.timers.arm(Due { elapsed: elapsed.filter(|at| *at < Instant::FAR_FUTURE), wall })?;
         let mut fds = Vec::with_capacity(8);
         fds.extend(self.timers.fds());
         let timers = fds.len();
