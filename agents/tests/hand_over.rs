@@ -94,3 +94,31 @@ fn what_can_never_be_is_refused_at_once_and_nothing_is_lost() {
     assert_eq!(refused, RequestRefused::OverSupply { draw, supply });
     assert_eq!(bench.broker.books(), before);
 }
+
+#[test]
+fn service_at_some_gates_does_nothing_at_others() {
+    let (bench, _) = Bench::new(margin(20), &[8, 8]);
+    let tickets = [0, 1].map(|lamp| {
+        bench.broker.request(faregate_tickets::id::Priority::SCIENCE, &bench.lamps[lamp]).unwrap()
+    });
+    let valid = || tickets.each_ref().map(|ticket| ticket.check().is_ok());
+    bench.broker.service_at([]);
+    assert_eq!(valid(), [false, false]);
+    bench.broker.service_at([bench.lamps[1].gate()]);
+    assert_eq!(valid(), [false, true]);
+    bench.broker.service();
+    assert_eq!(valid(), [true, true]);
+}
+
+#[test]
+fn a_revocation_is_counted_though_the_ticket_is_valid_again() {
+    let (bench, _) = Bench::new(margin(20), &[8, 8]);
+    let ticket = bench.ticket(5, 0);
+    let before = ticket.revocations();
+    let other = bench.ticket(9, 1);
+    assert_eq!(ticket.revocations(), before, "nobody took it");
+    drop(bench.ticket(9, 0));
+    bench.broker.service();
+    assert!(ticket.check().is_ok() && other.check().is_ok());
+    assert_ne!(ticket.revocations(), before);
+}

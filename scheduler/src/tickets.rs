@@ -61,8 +61,8 @@
 //! faulted, supervisors, and whoever else asks the same broker. The manager
 //! hears of that as of a request that is blocked.
 
+mod ask;
 mod authority;
-mod changes;
 mod driver;
 mod entry;
 mod gates;
@@ -72,6 +72,7 @@ mod named;
 mod names;
 mod place;
 mod port;
+mod settle;
 mod turn;
 
 pub use authority::Commander;

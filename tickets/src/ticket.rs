@@ -155,6 +155,16 @@ impl<'a, D: Device, P: Platform, A: Issuer> Ticket<'a, D, P, A> {
         self.look().map(|_| ())
     }
 
+    /// How often this ticket's seat has been revoked so far. Two different
+    /// answers say that the ticket was revoked in between, even where it is
+    /// valid again: what its device was told before may not be so any more.
+    ///
+    /// # Timing
+    /// One atomic load.
+    pub fn revocations(&self) -> usize {
+        self.seat.standing.epoch_seen()
+    }
+
     /// The ticket's identity, for supervisors and records.
     pub fn id(&self) -> TicketId {
         self.seat.id

@@ -149,6 +149,23 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
             .ok_or_else(|| self.due())
     }
 
+    /// The next step that is due at one of these gates, in the same order.
+    pub(crate) fn work_at(&self, gates: u64) -> Option<Work> {
+        self.each_of(gates, Self::vacating)
+            .or_else(|| self.each_of(gates, Self::safing))
+            .or_else(|| self.each_of(gates, Self::telling_empty))
+            .or_else(|| self.each_of(gates, Self::admitting))
+            .or_else(|| self.each_of(gates, Self::telling_held))
+    }
+
+    fn each_of(
+        &self,
+        gates: u64,
+        step: impl Fn(&Self, GateId, &DeviceBook) -> Option<Work>,
+    ) -> Option<Work> {
+        gates_of(gates).find_map(|gate| step(self, gate, self.device(gate)?))
+    }
+
     fn each(&self, step: impl Fn(&Self, GateId, &DeviceBook) -> Option<Work>) -> Option<Work> {
         self.devices.iter().enumerate().find_map(|(number, device)| {
             let gate = u8::try_from(number).ok().map(GateId)?;

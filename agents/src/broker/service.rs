@@ -70,8 +70,40 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
         self.now()
     }
 
-    /// Takes in what happened, and what can be seen, and looks what is due.
+    /// Does what is due at these gates, and at no others: for who wants a
+    /// hand-over done now, and must not wait for a command in progress at a gate
+    /// that it does not ask for. What is due elsewhere is left to the service.
+    ///
+    /// # Timing
+    /// As [`Broker::service`], with waits at these gates only.
+    pub fn service_at(&self, gates: impl IntoIterator<Item = GateId>) {
+        let gates = gates.into_iter().fold(0, |bits, gate| bits | crate::books::bit(gate));
+        let find = |ledger: &Ledger<P, G, T, S>, _| {
+            ledger.books.work_at(gates).map_or(Found::Due(None), Found::Work)
+        };
+        let mut event = None;
+        for _ in 0..Self::MOST_STEPS {
+            match self.look_for(event.take(), &find) {
+                Found::Work(work) => event = self.perform(&work).map(Event::Done),
+                Found::Limit { .. } | Found::Changed => {}
+                Found::Due(_) => return,
+            }
+        }
+        if let Some(event) = event {
+            self.look_for(Some(event), &find);
+        }
+    }
+
     fn look(&self, event: Option<Event>) -> Found {
+        self.look_for(event, &|ledger, now| self.find(ledger, now))
+    }
+
+    /// Takes in what happened, and what can be seen, and looks what is due.
+    fn look_for(
+        &self,
+        event: Option<Event>,
+        find: &impl Fn(&Ledger<P, G, T, S>, Instant) -> Found,
+    ) -> Found {
         let mut changed = heapless::Vec::<Changed, TOLD>::new();
         let found = self.ledger.with(|ledger| {
             let now = ledger.clock.now();
@@ -85,7 +117,7 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
                 let Some(change) = ledger.changed.pop() else { break };
                 let _ = changed.push(change);
             }
-            if ledger.changed.is_empty() { self.find(ledger, now) } else { Found::Changed }
+            if ledger.changed.is_empty() { find(ledger, now) } else { Found::Changed }
         });
         for change in changed {
             change.tell(&self.notify);

@@ -80,6 +80,7 @@ pub(crate) fn measure() {
 
     // Time passes, the sensors measure, and service does what is due.
     let pass = |meter: &mut Meter, time: Duration| {
+        meter.op(&["service::service_at"], || broker.service_at([lamps[0].gate()]));
         meter.op(&["service::service"], || broker.service());
         clock.advance(time);
         for lamp in &lamps {

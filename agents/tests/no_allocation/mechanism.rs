@@ -82,7 +82,8 @@ fn tickets_and_keys(meter: &mut Meter) {
         ticket.check().unwrap();
         ticket
     });
-    let ticket = meter.op(&["ticket::id", "ticket::is_of"], || {
+    let ticket = meter.op(&["ticket::id", "ticket::is_of", "ticket::revocations"], || {
+        assert_eq!(ticket.revocations(), ticket.revocations());
         assert!(ticket.id() == ID && ticket.is_of(&Nobody));
         ticket
     });

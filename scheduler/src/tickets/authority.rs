@@ -87,6 +87,10 @@ impl Authority {
         !self.tickets.is_empty()
     }
 
+    pub(super) fn gates(&self) -> impl Iterator<Item = &str> {
+        self.tickets.iter().map(|device| device.gate.as_str())
+    }
+
     /// Renews all leases. One that is in use is renewed by whoever uses it.
     pub(super) fn renew(&self) {
         for device in &self.tickets {

@@ -37,7 +37,9 @@ pub(super) struct Seat {
 pub(super) enum Told {
     /// Nothing yet, or for what it waits.
     Waits(Option<String>),
-    Granted,
+    /// It may run. How often the ticket had been revoked by then: a different
+    /// answer says that it was taken, even if it is back.
+    Granted(usize),
     /// And for what it waits since, where that is not another task.
     Taken(Option<String>),
 }

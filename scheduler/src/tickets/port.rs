@@ -1,22 +1,16 @@
 //! The ticket port of the schedule manager, on a broker.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use faregate_agents::{Capacity, RequestRefused, Waiting};
-use faregate_runtime::{Broker, Ticket};
-use faregate_tickets::id::Priority;
-use faregate_tickets::refusal::Refusal;
-use faregate_tickets::standing::Why;
-use faregate_tickets::validity::{Function, Validity};
+use faregate_runtime::Broker;
+use faregate_tickets::id::GateId;
 
-use super::authority::{Authority, Commander, Shared};
-use super::changes::Changes;
-use super::entry::{Entry, Seat, Told};
+use super::authority::{Commander, Shared};
+use super::entry::{Entry, Seat};
 use super::modes::Modes;
-use super::place::{Place, PlaceBook, PlaceState};
-use super::{MOST_GATES, SLOTS};
-use crate::manager::{Event, Needs, Occurrence};
+use super::place::PlaceBook;
+use crate::manager::{Event, Occurrence};
 use crate::time::{Duration, Instant};
 
 /// Asks the agents of a broker for tickets, and tells the manager what became
@@ -36,9 +30,8 @@ pub struct Tickets {
     /// places.
     pub(super) runaways: BTreeMap<Occurrence, usize>,
     pub(super) modes: Modes,
-    pub(super) changes: Arc<Changes>,
     pub(super) told: Vec<Event>,
-    arrivals: u64,
+    pub(super) arrivals: u64,
     pub(super) lease: Duration,
     pub(super) renewal: Option<Instant>,
     /// When it was looked at last.
@@ -50,7 +43,6 @@ impl Tickets {
         broker: Broker,
         shared: Arc<Shared>,
         mut places: Vec<PlaceBook>,
-        changes: Arc<Changes>,
         lease: Duration,
     ) -> Self {
         for place in &mut places {
@@ -63,7 +55,6 @@ impl Tickets {
             entries: BTreeMap::new(),
             runaways: BTreeMap::new(),
             modes: Modes::default(),
-            changes,
             told: Vec::new(),
             arrivals: 0,
             lease,
@@ -85,281 +76,23 @@ impl Tickets {
         &self.broker
     }
 
-    pub(super) fn ask_first(&mut self, occurrence: Occurrence, needs: &Needs) {
-        let arrival = self.arrivals;
-        self.arrivals = self.arrivals.saturating_add(1);
-        self.entries.insert(occurrence, Entry::new(needs.clone(), arrival));
-        self.seat(occurrence);
+    /// Does what is due of hand-overs and waits for nobody's command: at places,
+    /// which have none, and at gates that a request has got and not entered.
+    /// Where a device must be vacated or made safe first, the broker's own
+    /// thread does it.
+    pub(super) fn drive(&self) {
+        let places = self.places.iter().map(|place| place.handle.gate());
+        let seats = self.entries.values().filter_map(|entry| entry.seat.as_ref());
+        let admitting: Vec<GateId> = seats.flat_map(|seat| self.got(seat)).collect();
+        self.broker.agents().service_at(places.chain(admitting));
     }
 
-    /// Asks the broker for an occurrence that has no place yet, if there is one.
-    pub(super) fn seat(&mut self, occurrence: Occurrence) {
-        let Some(needs) = self.entries.get(&occurrence).map(|entry| entry.needs.clone()) else {
-            return;
-        };
-        let Some(place) = self.free_place(&needs) else {
-            return self.blocked(occurrence, format!("all {SLOTS} places for tasks are taken"));
-        };
-        match self.ask(occurrence, &needs, place) {
-            Ok(seat) => {
-                if let Some(book) = self.places.get_mut(place) {
-                    book.state = PlaceState::Taken;
-                }
-                if let Some(entry) = self.entries.get_mut(&occurrence) {
-                    entry.seat = Some(seat);
-                }
-            }
-            Err(Unasked::Full(why)) => self.blocked(occurrence, why),
-            Err(Unasked::Never(why)) => {
-                self.entries.remove(&occurrence);
-                self.told.push(Event::Refused { occurrence, why });
-            }
-        }
-    }
-
-    fn free_place(&mut self, needs: &Needs) -> Option<usize> {
-        let broker = &self.broker;
-        self.places.iter_mut().zip(0..).find_map(|(place, number)| {
-            let is_free = place.state == PlaceState::Free;
-            let declared = is_free && place.declare(broker, needs).is_ok();
-            declared.then_some(number)
+    fn got(&self, seat: &Seat) -> impl Iterator<Item = GateId> {
+        let (agents, ticket) = (self.broker.agents(), &seat.ticket);
+        let waits = ticket.check().is_err() && seat.authority.has_devices();
+        let gates = seat.authority.gates().filter(move |_| waits);
+        gates.filter_map(|gate| self.shared.gates.id(gate)).filter(move |gate| {
+            agents.device(*gate).and_then(|report| report.tenant) == Some(ticket.id())
         })
     }
-
-    /// Asks for the place and the gates, all or nothing.
-    fn ask(&self, occurrence: Occurrence, needs: &Needs, place: usize) -> Result<Seat, Unasked> {
-        let handle = self.places.get(place).map(|place| place.handle);
-        let handle = handle.ok_or_else(|| Unasked::Full("there is no such place".to_owned()))?;
-        let names: BTreeSet<&String> = needs.gates.iter().collect();
-        let mut wants = heapless::Vec::<_, MOST_GATES>::new();
-        for name in &names {
-            let gate = self.shared.gates.get(name).ok_or_else(|| unknown(name))?;
-            let want = gate.handle.limited(Function::lease(self.lease));
-            wants.push(want).map_err(|_| too_many(names.len()))?;
-        }
-        let priority = Priority::new(needs.priority.level());
-        let asked = (handle.limited(Validity::always()), wants);
-        let (ticket, tickets) = self.broker.request(priority, &asked)?;
-        self.shared.names.call(ticket.id(), occurrence.task.to_string());
-        let named = names.into_iter().cloned().zip(tickets);
-        let authority = Arc::new(Authority::new(named));
-        self.shared.give(occurrence, Arc::clone(&authority));
-        Ok(Seat { place, ticket, authority })
-    }
-
-    /// Whom the manager has chosen as victims, and the broker has not taken:
-    /// they came first, and are as important. They stand behind now.
-    pub(super) fn take_victims(&mut self, occurrence: Occurrence, victims: &[Occurrence]) {
-        for victim in victims {
-            if let Some(entry) = self.entries.get_mut(victim) {
-                entry.taker = Some(occurrence.task.to_string());
-            }
-        }
-        // The least important is the last to be named.
-        for victim in victims.iter().rev() {
-            if !self.waits_for_one_of(occurrence, victims) {
-                return;
-            }
-            if self.holds(*victim) {
-                self.ask_again(*victim);
-            }
-        }
-    }
-
-    fn holds(&self, occurrence: Occurrence) -> bool {
-        let seat = self.entries.get(&occurrence).and_then(|entry| entry.seat.as_ref());
-        let waits = |seat: &Seat| self.broker.agents().waiting_for(seat.ticket.id());
-        seat.is_some_and(|seat| matches!(waits(seat), None | Some(Waiting::HandOver)))
-    }
-
-    /// Whether the request waits for what one of these has.
-    fn waits_for_one_of(&self, occurrence: Occurrence, victims: &[Occurrence]) -> bool {
-        let seat_of = |of: &Occurrence| self.entries.get(of).and_then(|entry| entry.seat.as_ref());
-        let Some(seat) = seat_of(&occurrence) else { return false };
-        let is_victims =
-            |ticket| victims.iter().filter_map(seat_of).any(|victim| victim.ticket.id() == ticket);
-        match self.broker.agents().waiting_for(seat.ticket.id()) {
-            Some(
-                Waiting::Gate { by, .. }
-                | Waiting::Exclusive { by }
-                | Waiting::Categories { by: Some(by), .. },
-            ) => is_victims(by),
-            Some(Waiting::Margin { .. }) => true,
-            _ => false,
-        }
-    }
-
-    /// Gives the tickets back and asks for the same again, behind everybody who
-    /// has asked meanwhile. The body keeps its place.
-    pub(super) fn ask_again(&mut self, occurrence: Occurrence) {
-        let Some(entry) = self.entries.get_mut(&occurrence) else { return };
-        let Some(Seat { place, ticket, authority }) = entry.seat.take() else { return };
-        let (needs, taker) = (entry.needs.clone(), entry.taker.clone());
-        let attempt = authority.attempt();
-        self.shared.end(occurrence);
-        drop((ticket, authority));
-        match self.ask(occurrence, &needs, place) {
-            Ok(seat) => {
-                seat.authority.serve(attempt);
-                seat.authority.taken_by(taker);
-                if let Some(entry) = self.entries.get_mut(&occurrence) {
-                    entry.seat = Some(seat);
-                }
-            }
-            Err(Unasked::Full(why) | Unasked::Never(why)) => {
-                self.lose_place(occurrence, place, &why)
-            }
-        }
-    }
-
-    /// It stood in line, and cannot any more: it waits for a place like one
-    /// that has just come, when its body has stopped.
-    fn lose_place(&mut self, occurrence: Occurrence, place: usize, why: &str) {
-        let Some(entry) = self.entries.get_mut(&occurrence) else { return };
-        if entry.told == Told::Granted {
-            let by = entry.taker.take().unwrap_or_else(|| why.to_owned());
-            entry.told = Told::Taken(None);
-            self.told.push(Event::Taken { occurrence, by });
-        }
-        if entry.runs {
-            self.runaways.insert(occurrence, place);
-        } else if let Some(book) = self.places.get_mut(place) {
-            book.state = PlaceState::Leaving;
-        }
-    }
-
-    fn blocked(&mut self, occurrence: Occurrence, why: String) {
-        let Some(entry) = self.entries.get_mut(&occurrence) else { return };
-        let told = match &mut entry.told {
-            Told::Waits(told) | Told::Taken(told) => told,
-            Told::Granted => return,
-        };
-        if told.as_ref() != Some(&why) {
-            *told = Some(why.clone());
-            self.told.push(Event::Blocked { occurrence, why });
-        }
-    }
-
-    /// What has become of an occurrence's tickets since it was looked at last.
-    pub(super) fn settle(&mut self, occurrence: Occurrence, revoked: &Revoked) {
-        let Some(entry) = self.entries.get(&occurrence) else { return };
-        let Some(seat) = &entry.seat else { return };
-        let checked = seat.ticket.check();
-        match (&entry.told, checked) {
-            (Told::Granted, Ok(())) if !revoked.includes(&seat.ticket) => {}
-            (Told::Granted, checked) => self.taken(occurrence, checked.err()),
-            (Told::Waits(_) | Told::Taken(_), Err(Refusal::NotValid(Why::Expired))) => {
-                self.ask_again(occurrence);
-            }
-            (Told::Taken(_), _) if entry.runs => {}
-            (Told::Waits(_) | Told::Taken(_), Ok(())) => self.granted(occurrence),
-            (Told::Waits(_) | Told::Taken(_), Err(_)) => self.waits(occurrence),
-        }
-    }
-
-    fn taken(&mut self, occurrence: Occurrence, why: Option<Refusal>) {
-        let Some(entry) = self.entries.get_mut(&occurrence) else { return };
-        let named = why.map(|why| self.shared.names.taker(why));
-        let by = entry.taker.take().or(named).unwrap_or_else(|| "somebody, for a moment".into());
-        entry.told = Told::Taken(None);
-        self.told.push(Event::Taken { occurrence, by });
-        if !entry.runs {
-            self.see_off(occurrence);
-        }
-        if why == Some(Refusal::NotValid(Why::Expired)) {
-            self.ask_again(occurrence);
-        }
-    }
-
-    /// The place is seen on before anybody is told: from then on it is charged
-    /// until the body has stopped, even if the tickets go before it starts.
-    fn granted(&mut self, occurrence: Occurrence) {
-        let Some(entry) = self.entries.get_mut(&occurrence) else { return };
-        let Some(seat) = &entry.seat else { return };
-        let Some(place) = self.places.get_mut(seat.place) else { return };
-        place.see_on(&self.broker);
-        if seat.ticket.check().is_err() {
-            return place.see_off(&self.broker);
-        }
-        seat.authority.taken_by(None);
-        entry.told = Told::Granted;
-        entry.taker = None;
-        self.told.push(Event::Granted { occurrence });
-    }
-
-    /// Tells what a request waits for, where that is not in the manager's own
-    /// hands: another task is.
-    fn waits(&mut self, occurrence: Occurrence) {
-        let Some(entry) = self.entries.get(&occurrence) else { return };
-        let Some(seat) = &entry.seat else { return };
-        let Some(waiting) = self.broker.agents().waiting_for(seat.ticket.id()) else { return };
-        let was_taken = matches!(entry.told, Told::Taken(_));
-        let is_ours = match waiting {
-            Waiting::HandOver => true,
-            Waiting::Gate { by, .. }
-            | Waiting::Exclusive { by }
-            | Waiting::Categories { by: Some(by), .. } => self.is_a_tasks(by),
-            // What its takers have, the manager knows.
-            Waiting::Margin { .. } => was_taken,
-            _ => false,
-        };
-        if !is_ours {
-            let why = self.shared.names.waiting(waiting, &self.shared.gates);
-            self.blocked(occurrence, why);
-        }
-    }
-
-    fn is_a_tasks(&self, ticket: faregate_tickets::id::TicketId) -> bool {
-        let seats = self.entries.values().filter_map(|entry| entry.seat.as_ref());
-        seats.into_iter().any(|seat| seat.ticket.id() == ticket)
-    }
-
-    pub(super) fn see_off(&mut self, occurrence: Occurrence) {
-        let seat = self.entries.get(&occurrence).and_then(|entry| entry.seat.as_ref());
-        let place = seat.and_then(|seat| self.places.get_mut(seat.place));
-        if let Some(place) = place {
-            place.see_off(&self.broker);
-        }
-    }
-}
-
-/// Which tickets were revoked since somebody looked.
-#[derive(Debug, Default)]
-pub(super) struct Revoked {
-    pub(super) serials: BTreeSet<usize>,
-    /// More than could be remembered: any may be among them.
-    pub(super) all: bool,
-}
-
-impl Revoked {
-    fn includes(&self, ticket: &Ticket<Place>) -> bool {
-        self.all || self.serials.contains(&ticket.id().serial)
-    }
-}
-
-/// Why the broker was not asked.
-enum Unasked {
-    /// For lack of room: later.
-    Full(String),
-    /// It never could be granted.
-    Never(String),
-}
-
-impl From<RequestRefused> for Unasked {
-    fn from(refused: RequestRefused) -> Self {
-        match refused {
-            RequestRefused::NoCapacity(Capacity::Seats | Capacity::Sets) => {
-                Self::Full(refused.to_string())
-            }
-            other => Self::Never(other.to_string()),
-        }
-    }
-}
-
-fn unknown(gate: &str) -> Unasked {
-    Unasked::Never(format!("the mission has no gate `{gate}`"))
-}
-
-fn too_many(gates: usize) -> Unasked {
-    Unasked::Never(format!("it commands {gates} gates, and a task can command {MOST_GATES}"))
 }

@@ -1,7 +1,7 @@
 //! The port as the executive calls it.
 
 use super::entry::{Entry, Told};
-use super::place::PlaceState;
+use super::place::{PlaceBook, PlaceState};
 use super::port::Tickets;
 use crate::executive::TicketPort;
 #[cfg(target_os = "linux")]
@@ -21,6 +21,7 @@ impl TicketPort for Tickets {
             self.ask_first(occurrence, needs);
         }
         self.take_victims(occurrence, victims);
+        self.drive();
     }
 
     fn started(&mut self, attempt: Attempt, _: Now) {
@@ -65,12 +66,12 @@ impl TicketPort for Tickets {
     }
 
     fn poll(&mut self, now: Now, events: &mut Vec<Event>) {
-        let revoked = self.changes.take();
         self.modes.settle();
         self.free_places();
         self.seat_those_who_wait();
+        self.drive_those_who_wait();
         for occurrence in self.in_order() {
-            self.settle(occurrence, &revoked);
+            self.settle(occurrence);
         }
         self.renew(now.elapsed);
         events.append(&mut self.told);
@@ -93,13 +94,27 @@ impl Tickets {
         order.into_iter().map(|(_, occurrence)| occurrence).collect()
     }
 
+    /// Places whose bodies are over or stand still are seen off, as soon as the
+    /// broker has vacated them and made them safe.
     fn free_places(&mut self) {
-        for place in self.places.iter_mut().filter(|place| place.state == PlaceState::Leaving) {
+        let is_leaving = |place: &&mut PlaceBook| place.state == PlaceState::Leaving;
+        let stopped = self.stopped_and_charged();
+        if stopped.is_empty() && !self.places.iter_mut().any(|place| is_leaving(&place)) {
+            return;
+        }
+        self.drive();
+        for place in self.places.iter_mut().filter(is_leaving) {
             place.free(&self.broker);
         }
-        let still: Vec<Occurrence> = self.stopped_and_charged();
-        for occurrence in still {
+        for occurrence in stopped {
             self.see_off(occurrence);
+        }
+    }
+
+    fn drive_those_who_wait(&self) {
+        let waits = |entry: &Entry| entry.seat.is_some() && !matches!(entry.told, Told::Granted(_));
+        if self.entries.values().any(waits) {
+            self.drive();
         }
     }
 
