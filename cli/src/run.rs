@@ -1,5 +1,7 @@
 //! `run`: the stand-alone executive.
 
+mod host;
+mod outside;
 mod tally;
 mod teller;
 mod virtual_clock;
@@ -17,7 +19,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<Exit, Failure> {
     let teller = match (args.speed, args.virtual_clock) {
         (Some(speed), _) => virtual_clock::run(schedule, Pace::Times(speed), args.time, teller)?,
         (None, true) => virtual_clock::run(schedule, Pace::Free, args.time, teller)?,
-        (None, false) => return Err(Failure::failed("not yet")),
+        (None, false) => host::run(args, schedule, teller)?,
     };
     end(teller)
 }

@@ -1,53 +1,17 @@
-//! The mission's devices, simulated.
+//! The simulated mission: devices behind real gates, on buses that trip.
+//!
+//! | module | what |
+//! |---|---|
+//! | `devices` | which devices of a mission can be simulated |
+//! | `driver` | a unit behind a gate, commanded by name |
+//! | `craft` | one payload for each agent, and its sensors |
+//! | `loads` | what the tasks themselves draw |
 
-use faregate_devices_sim::payload::UnitSpec;
-use faregate_scheduler::Mission;
-use faregate_scheduler::format::{Diagnostic, Place, Rule, Severity};
-use faregate_scheduler::mission::DeviceSpec;
+mod craft;
+mod devices;
+mod driver;
+mod loads;
 
-/// The kind of a device that is the battery: it has no gate.
-const BATTERY: &str = "battery";
-
-/// Fills in what only the kinds of devices know: what they draw. The manager
-/// counts with it.
-pub(crate) fn complete(mission: &mut Mission) {
-    for device in &mut mission.devices {
-        if let (None, Ok(unit)) = (device.draw, unit(device)) {
-            device.draw = Some(unit.draw());
-        }
-    }
-}
-
-/// What is to be said of the mission's devices in a file.
-pub(crate) fn doubts(mission: &Mission, file: &str) -> Vec<Diagnostic> {
-    let (_, wrong) = units(mission);
-    let doubt = |(device, why)| Diagnostic {
-        severity: Severity::Warning,
-        rule: Rule::UnknownName,
-        file: file.to_owned(),
-        place: Place { line: 1, column: 1, span: 0..0 },
-        field: Some("mission.device".to_owned()),
-        message: format!("the device `{device}` cannot be simulated: {why}"),
-        expected: None,
-        help: Some("a program of your own can bring it; `faregate run` cannot".to_owned()),
-        also: None,
-    };
-    wrong.into_iter().map(doubt).collect()
-}
-
-/// The units of the mission, and everything that is wrong with them, each with
-/// the name of its device.
-pub(crate) fn units(mission: &Mission) -> (Vec<UnitSpec>, Vec<(String, String)>) {
-    let (mut units, mut wrong) = (Vec::new(), Vec::new());
-    for device in mission.devices.iter().filter(|device| device.kind != BATTERY) {
-        match unit(device) {
-            Ok(unit) => units.push(unit),
-            Err(why) => wrong.extend(why.into_iter().map(|why| (device.name.clone(), why))),
-        }
-    }
-    (units, wrong)
-}
-
-fn unit(device: &DeviceSpec) -> Result<UnitSpec, Vec<String>> {
-    UnitSpec::new(&device.name, &device.kind, device.draw, &device.parameters)
-}
+pub(crate) use craft::Craft;
+pub(crate) use devices::{complete, doubts, gated};
+pub(crate) use loads::Loads;

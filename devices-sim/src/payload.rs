@@ -52,7 +52,7 @@ use parking_lot::Mutex;
 
 pub use battery::BatteryModel;
 pub use bus::{PayloadTruth, Supplies, UnitCommandReceived, UnitTruth};
-pub use driver::{UnitDriver, UnitFault};
+pub use driver::{UnitDriver, UnitFault, UnitWords};
 pub use spec::{KINDS, UnitSpec};
 pub use unit::{CommandHelp, UnitCommand};
 

@@ -5,7 +5,7 @@ use std::io;
 
 use faregate_scheduler::manager::Note;
 use faregate_scheduler::task::Task;
-use faregate_scheduler::time::{Instant, Now};
+use faregate_scheduler::time::Now;
 use serde::Serialize;
 
 use super::tally::Tally;
@@ -20,6 +20,7 @@ pub(crate) struct Teller {
     changes: Changes,
     tally: Tally,
     deaf: bool,
+    loading: bool,
 }
 
 /// A change, for programs.
@@ -33,12 +34,14 @@ struct Change<'a> {
 impl Teller {
     pub(crate) fn new(format: Format, tasks: &[Task]) -> Self {
         let (changes, tally) = (Changes::default(), Tally::of(tasks));
-        Self { format, changes, tally, deaf: false }
+        Self { format, changes, tally, deaf: false, loading: true }
     }
 
     /// Tells the change.
     pub(crate) fn tell(&mut self, now: Now, note: &Note) {
         self.tally.count(note);
+        // That the files' own tasks were accepted is said by that they run.
+        self.loading &= matches!(note, Note::Accepted(_));
         if !self.deaf {
             self.deaf = self.print(now, note).is_err();
         }
@@ -48,10 +51,7 @@ impl Teller {
         let at_us = now.elapsed.as_micros();
         match self.format {
             Format::Json => out::json_line(&Change { at_us, unix_us: now.wall.as_micros(), note }),
-            // That everything in the file was accepted is said by its start.
-            Format::Text if matches!(note, Note::Accepted(_)) && now.elapsed == Instant::START => {
-                Ok(())
-            }
+            Format::Text if self.loading => Ok(()),
             Format::Text => self.changes.tell(at_us, note),
         }
     }
@@ -61,6 +61,13 @@ impl Teller {
         if !self.deaf && self.format == Format::Text {
             self.deaf = out::line(text).is_err();
         }
+    }
+
+    /// Shows a line that a task has printed.
+    pub(crate) fn quote(&mut self, line: &str) {
+        // What a terminal would obey is a task's own text, and not ours.
+        let line: String = line.chars().filter(|letter| !letter.is_control()).collect();
+        self.say(&out::styled(out::FAINT, format_args!("{:14}| {line}", "")));
     }
 
     pub(crate) fn tally(&self) -> &Tally {

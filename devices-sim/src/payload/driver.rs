@@ -22,6 +22,12 @@ impl UnitDriver {
         Self { shared, index }
     }
 
+    /// What its unit understands. It answers when the driver is behind a gate.
+    #[must_use]
+    pub fn words(&self) -> UnitWords {
+        UnitWords { shared: Arc::clone(&self.shared), index: self.index }
+    }
+
     /// What its unit can be told.
     #[must_use]
     pub fn commands(&self) -> &'static [CommandHelp] {
@@ -75,6 +81,35 @@ impl Device for UnitDriver {
 impl fmt::Debug for UnitDriver {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "UnitDriver({})", self.shared.spec(self.index).name)
+    }
+}
+
+/// The words of a unit: they make commands, and give none.
+#[derive(Clone)]
+pub struct UnitWords {
+    shared: Arc<Shared>,
+    index: usize,
+}
+
+impl UnitWords {
+    /// What the unit can be told.
+    #[must_use]
+    pub fn commands(&self) -> &'static [CommandHelp] {
+        self.shared.spec(self.index).commands()
+    }
+
+    /// The command that this says; see [`UnitSpec::parse`](super::UnitSpec::parse).
+    ///
+    /// # Errors
+    /// Why it says none, and what the unit understands.
+    pub fn parse(&self, name: &str, arguments: &[String]) -> Result<UnitCommand, String> {
+        self.shared.spec(self.index).parse(name, arguments)
+    }
+}
+
+impl fmt::Debug for UnitWords {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "UnitWords({})", self.shared.spec(self.index).name)
     }
 }
 
