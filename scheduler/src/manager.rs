@@ -46,7 +46,7 @@ pub use note::{HeldBy, Note, WaitsFor};
 pub use record::{Attempt, Occurrence, Record};
 pub use restored::{Restored, RestoredTask};
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, VecDeque};
 
 use crate::manager::classes::Classes;
 use crate::manager::entry::Entry;
@@ -84,7 +84,7 @@ pub struct Manager {
     modes: Modes,
     measured: Measured,
     /// Tasks that can never run, and are to be taken out: index, position, why.
-    doomed: Vec<(u32, u64, String)>,
+    doomed: VecDeque<(u32, u64, String)>,
     armed: Vec<u32>,
     /// The instants that were prepared for, by each clock.
     armed_for: [Option<Micros>; 2],
@@ -151,7 +151,7 @@ impl Manager {
             gaps: Vec::new(),
             modes: Modes::default(),
             measured: Measured::default(),
-            doomed: Vec::new(),
+            doomed: VecDeque::new(),
             armed: Vec::new(),
             armed_for: [None; 2],
             open: 0,

@@ -12,12 +12,13 @@ impl Step<'_> {
             self.manager.classes.advance(self.now);
             self.walk();
             self.stand_back();
-            self.ask();
-            self.pre_empt_the_rest();
             if !self.start_granted() {
                 break;
             }
         }
+        // What can start has started before anything else is asked for.
+        self.ask();
+        self.pre_empt_the_rest();
         self.arm();
     }
 }

@@ -62,7 +62,7 @@ impl Step<'_> {
     /// taken out of the schedule.
     pub(crate) fn never_runs(&mut self, index: u32, why: String) {
         let Some(position) = self.entry(index).map(|entry| entry.position) else { return };
-        self.manager.doomed.push((index, position, why));
+        self.manager.doomed.push_back((index, position, why));
     }
 
     fn bury_one(&mut self, index: u32, why: String) {
@@ -74,7 +74,7 @@ impl Step<'_> {
     /// Tasks of which it became known that they can never run. One can take
     /// others with it, in a chain as long as the schedule.
     pub(crate) fn bury(&mut self) {
-        while let Some((index, position, why)) = self.manager.doomed.pop() {
+        while let Some((index, position, why)) = self.manager.doomed.pop_front() {
             let Some(entry) = self.entry(index) else { continue };
             if entry.position == position && entry.place != Place::Over {
                 self.bury_one(index, why);

@@ -4,7 +4,7 @@ use crate::manager::classes::ClassId;
 use crate::manager::point::{Micros, Point, Present};
 use crate::manager::rank::Rank;
 use crate::manager::{Attempt, Occurrence, Stop, WaitsFor, timers};
-use crate::task::{Outcome, Task};
+use crate::task::{Body, BuiltIn, Outcome, Task};
 
 /// A task of the schedule.
 #[derive(Clone, Debug)]
@@ -168,6 +168,14 @@ impl Entry {
 
     pub(crate) fn rank(&self) -> Rank {
         Rank::new(self.task.priority, self.arrival, self.position)
+    }
+
+    /// Whether its body is something that the manager does by itself, at once.
+    pub(crate) const fn is_built_in(&self) -> bool {
+        match &self.task.body {
+            Body::BuiltIn(built_in) => !matches!(built_in, BuiltIn::Load(_)),
+            _ => false,
+        }
     }
 
     pub(crate) fn is_routine(&self) -> bool {

@@ -171,47 +171,57 @@ impl Step<'_> {
             return false;
         }
         let mut there = self.present_ledger();
-        let mut starts = Vec::new();
+        let mut free = Vec::new();
         for (_, index) in granted {
             let Some(entry) = self.entry(index) else { continue };
             let demand = self.manager.classes.demand(entry.class);
-            let idle = entry.run.stage == Stage::Idle;
-            let part = if idle { Part::All } else { Part::Running };
-            if there.short(&demand, part, &self.manager.installed).is_some() {
-                continue;
-            }
-            there.take(&demand, part);
-            if idle {
-                starts.push(index);
-            } else {
-                self.go_on(index);
+            let part = if entry.run.stage == Stage::Idle { Part::All } else { Part::Running };
+            if there.short(&demand, part, &self.manager.installed).is_none() {
+                let is_built_in = entry.is_built_in();
+                there.take(&demand, part);
+                free.push(index);
+                // What it does may change who starts next.
+                if is_built_in {
+                    break;
+                }
             }
         }
-        self.start_all(&starts)
+        self.write_starts(&free);
+        let mut did = false;
+        for index in free {
+            did |= self.set_going(index);
+        }
+        did
     }
 
-    /// All of these are in the journal before the first of them starts.
-    fn start_all(&mut self, starts: &[u32]) -> bool {
+    /// All that start are in the journal before the first of them does.
+    fn write_starts(&mut self, free: &[u32]) {
         let mut sync = false;
-        for index in starts {
-            self.tell_missed(*index);
-            let Some(entry) = self.entry_mut(*index) else { continue };
+        for index in free {
+            let idle = |entry: &&mut Entry| entry.run.stage == Stage::Idle;
+            let Some(entry) = self.entry_mut(*index).filter(idle) else { continue };
             entry.attempts = entry.attempts.saturating_add(1);
             let attempt = entry.attempt();
             if attempt.number == 1 {
                 self.spend_dependencies(*index);
             }
+            self.tell_missed(*index);
             sync |= !self.disarm(*index);
             self.write(Record::Starting { attempt });
         }
         if sync {
             self.act(Action::Sync);
         }
-        let mut did = false;
-        for index in starts {
-            did |= self.start(*index);
+    }
+
+    /// Starts a body, or lets it go on. Answers whether the manager was it.
+    fn set_going(&mut self, index: u32) -> bool {
+        let Some(entry) = self.entry(index) else { return false };
+        if entry.run.stage == Stage::Paused {
+            self.go_on(index);
+            return false;
         }
-        did
+        self.start(index)
     }
 
     fn start(&mut self, index: u32) -> bool {

@@ -136,6 +136,7 @@ impl Step<'_> {
         let held_back = objection.is_some();
         let obstacle = objection
             .or_else(|| if idle { self.cannot_start(walk, &demand) } else { None })
+            .or_else(|| (walk.slots >= SLOTS).then_some(WaitsFor::Slot))
             .or_else(|| self.does_not_fit(walk, &demand, part));
         if obstacle.is_none() {
             walk.give(id, &demand, part, idle);

@@ -1,1 +1,226 @@
-//! x
+//! What is written before what, and where a manager goes on.
+
+use faregate_scheduler::Mission;
+use faregate_scheduler::manager::{
+    Action, Addition, Attempt, Event, Exit, Manager, Occurrence, Record, Restored, RestoredTask,
+    Telecommand, TelecommandId,
+};
+use faregate_scheduler::task::{Outcome, Restart, Task};
+use faregate_scheduler::time::{Instant, Now, UnixTime};
+
+use crate::world::{BEGAN, With, World, id, seconds, task, wall};
+
+fn occurrence(number: u64) -> Occurrence {
+    Occurrence { task: id(1), load: 0, number }
+}
+
+/// What the first task does, in order, at these seconds.
+fn acts(tasks: Vec<Task>, at: &[(f64, Vec<Event>)]) -> Vec<String> {
+    let mut manager = Manager::new(Mission::default());
+    let additions = tasks.into_iter().map(|task| Addition { task }).collect();
+    let add = Event::Telecommand { id: TelecommandId(1), telecommand: Telecommand::Add(additions) };
+    let mut actions = Vec::new();
+    manager.step(Now::default(), vec![add], &mut actions);
+    for (at, events) in at {
+        let elapsed = Instant::from_micros(crate::world::us(*at));
+        manager.step(Now { elapsed, ..Now::default() }, events.clone(), &mut actions);
+    }
+    let told = actions.iter().filter_map(|action| match action {
+        Action::Journal(Record::Accepted { .. }) => Some("accepted".to_owned()),
+        Action::Journal(Record::Armed { .. }) => Some("armed".to_owned()),
+        Action::Journal(Record::Disarmed { .. }) => Some("disarmed".to_owned()),
+        Action::Journal(Record::Starting { .. }) => Some("starting".to_owned()),
+        Action::Journal(Record::Paused { paused, .. }) => Some(format!("paused {paused}")),
+        Action::Journal(Record::Over { outcome, .. }) => Some(format!("over {outcome:?}")),
+        Action::Journal(Record::Ended { outcome, .. }) => Some(format!("ended {outcome:?}")),
+        Action::Sync => Some("sync".to_owned()),
+        Action::Answer { .. } => Some("answer".to_owned()),
+        Action::Start { .. } => Some("START".to_owned()),
+        Action::Continue { .. } => Some("CONTINUE".to_owned()),
+        Action::Relinquish { .. } => Some("RELINQUISH".to_owned()),
+        _ => None,
+    });
+    told.collect()
+}
+
+fn granted() -> Event {
+    Event::Granted { occurrence: occurrence(0) }
+}
+
+#[test]
+fn a_timed_start_was_armed_and_pays_no_sync() {
+    let told = acts(vec![task(1, 1.0).at(1.0)], &[(1.0, vec![]), (1.0, vec![granted()])]);
+    assert_eq!(told, ["accepted", "sync", "answer", "armed", "sync", "starting", "START"]);
+}
+
+#[test]
+fn a_start_that_nothing_was_prepared_for_is_synced() {
+    // Due at once; due too soon to be armed; armed, and late for want of its category.
+    let told = acts(vec![task(1, 1.0)], &[(0.0, vec![granted()])]);
+    assert_eq!(told, ["accepted", "sync", "answer", "starting", "sync", "START"]);
+    let told = acts(vec![task(1, 1.0).at(0.04)], &[(0.04, vec![]), (0.04, vec![granted()])]);
+    assert_eq!(told, ["accepted", "sync", "answer", "starting", "sync", "START"]);
+    let other = Occurrence { task: id(2), load: 0, number: 0 };
+    let attempt = Attempt { occurrence: other, number: 1 };
+    let told = acts(
+        vec![task(1, 1.0).categories(1).at(1.0), task(2, 5.0).categories(1).priority(1)],
+        &[
+            (0.0, vec![Event::Granted { occurrence: other }]),
+            (1.0, vec![]),
+            (5.0, vec![Event::Exited { attempt, exit: Exit::Code(0) }]),
+            (5.0, vec![granted()]),
+        ],
+    );
+    assert_eq!(
+        told[4..],
+        [
+            "armed",
+            "sync",
+            "starting",
+            "sync",
+            "START",
+            "disarmed",
+            "over Some(Succeeded)",
+            "ended Succeeded",
+            "RELINQUISH",
+            "starting",
+            "sync",
+            "START",
+        ]
+    );
+}
+
+#[test]
+fn an_end_and_a_pause_are_written_before_what_follows_from_them() {
+    let attempt = Attempt { occurrence: occurrence(0), number: 1 };
+    let taken = Event::Taken { occurrence: occurrence(0), by: "somebody".into() };
+    let told = acts(
+        vec![task(1, 10.0)],
+        &[
+            (0.0, vec![granted()]),
+            (1.0, vec![taken]),
+            (1.0, vec![Event::Stopped { attempt }]),
+            (2.0, vec![granted()]),
+            (11.0, vec![Event::Exited { attempt, exit: Exit::Code(1) }]),
+        ],
+    );
+    assert_eq!(
+        told[6..],
+        [
+            "paused true",
+            "paused false",
+            "CONTINUE",
+            "over Some(Failed)",
+            "ended Failed",
+            "RELINQUISH",
+        ]
+    );
+}
+
+fn restored(task: Task) -> RestoredTask {
+    RestoredTask {
+        task,
+        load: 0,
+        position: 0,
+        accepted: UnixTime::from_secs(BEGAN),
+        held: false,
+        over: false,
+        ended: None,
+        attempts: 0,
+        interrupted: None,
+        may_have_started: false,
+    }
+}
+
+/// What happens after the manager was away for so many seconds.
+fn after(task: RestoredTask, down_s: u64, until: f64) -> World {
+    let restored = Restored { tasks: vec![task], modes: vec![], next_position: 1 };
+    let mut world = World::restored(Mission::default(), restored, down_s);
+    world.until(until);
+    world
+}
+
+#[test]
+fn what_had_not_started_starts_if_its_window_is_open() {
+    let world = after(restored(task(1, 1.0).at(30.0)), 10, 60.0);
+    assert_eq!(world.lines(&["started"]), ["20.000 task 1 attempt 1 started"], "+30 from the load");
+    let world = after(restored(task(1, 1.0).at(5.0)), 10, 60.0);
+    assert_eq!(world.lines(&["started"]), ["0.000 task 1 attempt 1 started"]);
+    let world = after(restored(task(1, 1.0).at(5.0).closes(8.0)), 10, 60.0);
+    assert_eq!(world.log.lines, ["0.000 task 1 missed occurrence 0: its window closed"]);
+}
+
+#[test]
+fn an_interrupted_attempt_has_failed_and_is_tried_again_only_by_its_policy() {
+    let interrupted = |task: Task| RestoredTask {
+        attempts: 1,
+        interrupted: Some(Attempt { occurrence: occurrence(0), number: 1 }),
+        ..restored(task)
+    };
+    let world = after(interrupted(task(1, 1.0)), 10, 60.0);
+    assert_eq!(
+        world.log.lines,
+        [
+            "0.000 task 1 attempt 1 failed (failed: interrupted: the manager ended)",
+            "0.000 task 1 failed"
+        ]
+    );
+    assert!(world.manager().is_over());
+    let restart = Restart::OnFailure { limit: 1, back_off: seconds(3.0) };
+    let world = after(interrupted(task(1, 1.0).with(|task| task.restart = restart)), 10, 60.0);
+    assert_eq!(world.lines(&["started"]), ["3.000 task 1 attempt 2 started"]);
+}
+
+#[test]
+fn one_that_may_have_started_is_not_started_twice() {
+    let doubtful = RestoredTask { may_have_started: true, ..restored(task(1, 1.0)) };
+    let world = after(doubtful, 10, 60.0);
+    assert!(world.lines(&["1 started"]).is_empty());
+    assert_eq!(world.lines(&["task 1 failed"]), ["0.000 task 1 failed"]);
+}
+
+#[test]
+fn one_that_was_pre_empted_is_run_again_with_the_next_number() {
+    let preempted = RestoredTask { attempts: 2, ..restored(task(1, 1.0)) };
+    let world = after(preempted, 10, 60.0);
+    assert_eq!(world.lines(&["started"]), ["0.000 task 1 attempt 3 started"]);
+}
+
+#[test]
+fn a_routine_task_keeps_its_phase_and_what_was_due_meanwhile_is_missed() {
+    let routine = RestoredTask {
+        ended: Some((0, Outcome::Succeeded)),
+        ..restored(task(1, 1.0).every(10.0).closes(2.0))
+    };
+    let world = after(routine, 35, 8.0);
+    assert_eq!(
+        world.lines(&["missed", "started"]),
+        [
+            "5.000 task 1 missed 3 occurrences, 1 to 3: its window closed",
+            "5.000 task 1 occurrence 4 attempt 1 started",
+        ]
+    );
+    // The present one, where its window is open.
+    let absolute = task(1, 1.0).every(10.0).with(|task| task.windows[0].opens = wall(0));
+    let routine = RestoredTask { ended: Some((0, Outcome::Succeeded)), ..restored(absolute) };
+    let world = after(routine, 35, 8.0);
+    assert_eq!(
+        world.lines(&["missed", "started"]),
+        [
+            "0.000 task 1 missed 2 occurrences, 1 to 2: its time had passed",
+            "0.000 task 1 occurrence 3 attempt 1 started",
+            "5.000 task 1 occurrence 4 attempt 1 started",
+        ]
+    );
+}
+
+#[test]
+fn a_held_task_stays_held_and_an_ended_one_ended() {
+    let held = RestoredTask { held: true, ..restored(task(1, 1.0)) };
+    assert!(after(held, 10, 60.0).lines(&["started"]).is_empty());
+    let over =
+        RestoredTask { over: true, ended: Some((0, Outcome::Succeeded)), ..restored(task(1, 1.0)) };
+    let world = after(over, 10, 60.0);
+    assert!(world.log.lines.is_empty());
+    assert!(world.manager().is_over());
+}
