@@ -85,12 +85,10 @@ pub use install::{Installation, NotInstalled};
 pub use named::Named;
 pub use port::Tickets;
 
+pub use crate::manager::limits::SLOTS;
+
 use faregate_agents::limits::MAX_SET_GATES;
 use faregate_runtime::broker::{GATES, SETS, TICKETS};
-
-/// How many tasks can hold tickets or wait for them at a time: each has a place
-/// behind a gate of its own.
-pub const SLOTS: usize = 40;
 
 /// How many gates a task can command: with its place they are one request.
 pub const MOST_GATES: usize = MAX_SET_GATES - 1;

@@ -6,6 +6,7 @@
 mod rig;
 
 use std::sync::atomic::Ordering::SeqCst;
+use std::time::Instant;
 
 use faregate_scheduler::tickets::{MOST_GATES, SLOTS};
 use faregate_scheduler::time::Duration;
@@ -279,18 +280,26 @@ fn a_task_hears_that_its_tickets_were_gone_even_if_they_are_back() {
 
 #[test]
 fn leases_are_renewed_as_long_as_the_port_takes_its_turns() {
-    let lease = Duration::from_millis(300);
-    let mut rig = Rig::with_lease(&["camera"], lease);
-    rig.run(1, &needs(5).commanding(&["camera"]));
-    rig.command(1, "camera", "on").unwrap();
-    let begun = std::time::Instant::now();
-    while begun.elapsed() < std::time::Duration::from_millis(1_500) {
-        rig.turn();
-        rig.sleep();
+    const TRIES: usize = 20;
+    let lease = Duration::from_millis(600);
+    for _ in 0..TRIES {
+        let mut rig = Rig::with_lease(&["camera"], lease);
+        rig.run(1, &needs(5).commanding(&["camera"]));
+        rig.command(1, "camera", "on").unwrap();
+        let (begun, mut latest) = (Instant::now(), Instant::now());
+        let mut longest = std::time::Duration::ZERO;
+        while begun.elapsed() < std::time::Duration::from(lease) * 3 {
+            rig.turn();
+            rig.sleep();
+            longest = longest.max(std::mem::replace(&mut latest, Instant::now()).elapsed());
+        }
+        // Turns that came so seldom say nothing about the port.
+        if longest < std::time::Duration::from(lease) / 4 {
+            assert!(rig.is_on("camera") && rig.events.is_empty(), "{:?}", rig.events);
+            return;
+        }
     }
-    // A slow machine may have lost the lease: then the task was told.
-    let told = !rig.events.is_empty();
-    assert!(told || rig.is_on("camera"), "on, and nobody was told anything");
+    eprintln!("this machine is too busy to tell");
 }
 
 /// The control: a manager that is gone renews nothing.
