@@ -2,6 +2,8 @@
 
 #[path = "format/arbitrary.rs"]
 mod arbitrary;
+#[path = "format/broken.rs"]
+mod broken;
 #[path = "format/cases.rs"]
 mod cases;
 #[path = "format/native.rs"]
