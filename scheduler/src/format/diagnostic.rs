@@ -67,6 +67,32 @@ pub enum Rule {
 }
 
 impl Rule {
+    /// All of them.
+    pub const ALL: [Self; 22] = [
+        Self::Encoding,
+        Self::Format,
+        Self::Syntax,
+        Self::Quote,
+        Self::Header,
+        Self::ExtraFields,
+        Self::Missing,
+        Self::Unknown,
+        Self::Duplicate,
+        Self::Value,
+        Self::Range,
+        Self::Window,
+        Self::Body,
+        Self::UnknownTask,
+        Self::UnknownName,
+        Self::Cycle,
+        Self::NoBattery,
+        Self::NeverRuns,
+        Self::Preemption,
+        Self::Restart,
+        Self::NoShell,
+        Self::NoEffect,
+    ];
+
     /// Its name, as tools see it.
     #[must_use]
     pub const fn name(self) -> &'static str {

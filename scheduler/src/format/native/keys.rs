@@ -88,3 +88,66 @@ pub(crate) const MODE: &[&str] = &["name", "floor", "blocks", "reserves"];
 
 /// Of the battery.
 pub(crate) const BATTERY: &[&str] = &["low"];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::format::{self, Kind, Rule};
+
+    const REFERENCE: &str = include_str!("../../../../docs/schedule-format.md");
+
+    /// The first cells of the tables under this heading.
+    fn listed(heading: &str) -> Vec<&'static str> {
+        let (_, section) = REFERENCE.split_once(&format!("\n{heading}\n")).unwrap();
+        let end = section.find("\n#").unwrap_or(section.len());
+        let rows = section[..end].lines().filter_map(|line| line.strip_prefix("| `"));
+        rows.filter_map(|row| row.split('`').next()).collect()
+    }
+
+    #[test]
+    fn the_reference_lists_every_key_and_no_other() {
+        let all = [
+            ("### The file", FILE),
+            ("### A task", TASK),
+            ("### A window", WINDOW),
+            ("### A step", STEP),
+            ("### A dependency", AFTER),
+            ("### The mission", MISSION),
+            ("### An agent", AGENT),
+            ("### A device", DEVICE),
+            ("### A mode", MODE),
+            ("### The battery", BATTERY),
+        ];
+        for (heading, keys) in all {
+            assert_eq!(listed(heading), keys, "{heading}");
+        }
+    }
+
+    #[test]
+    fn the_reference_lists_every_column_and_rule() {
+        let columns = listed("## SMAARTE's formats");
+        let mut known = format::columns::Column::ALL.map(format::columns::Column::name);
+        let mut columns = columns;
+        columns.sort_unstable();
+        known.sort_unstable();
+        assert_eq!(columns, known);
+        let mut rules = listed("## What is wrong with a file");
+        let mut known = Rule::ALL.map(Rule::name);
+        rules.sort_unstable();
+        known.sort_unstable();
+        assert_eq!(rules, known);
+    }
+
+    #[test]
+    fn the_examples_of_the_reference_can_be_loaded() {
+        let blocks = REFERENCE.split("```").skip(1).step_by(2);
+        let mut read = Vec::new();
+        for block in blocks {
+            let (name, text) = block.split_once('\n').unwrap();
+            let kind = Kind::of(&format!("a.{name}")).unwrap();
+            let loaded = format::read(&format!("a.{name}"), text.as_bytes()).unwrap();
+            read.push((kind, loaded.tasks.len(), loaded.warnings.len()));
+        }
+        assert_eq!(read, [(Kind::Csv, 3, 0), (Kind::Txt, 2, 0), (Kind::Toml, 2, 0)]);
+    }
+}
