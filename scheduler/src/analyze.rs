@@ -62,11 +62,23 @@ pub struct Options {
     pub seed: u64,
 }
 
+/// More runs than these are not looked at, unless whoever asks wants it: a task
+/// that comes each millisecond of a day would fill the memory.
+pub const MOST_RUNS: usize = 2_000_000;
+
 /// What an analysis wants of whoever asks for it.
 pub trait Surroundings {
     /// Reads a schedule file that a task loads.
     fn load(&mut self, path: &str) -> LoadedFile {
         Err(format!("{path} is not read"))
+    }
+
+    /// The run has come so far, with so many attempts, and goes on until then,
+    /// where that is known. Answers whether it is to go on: what was looked at
+    /// is reported then.
+    fn reached(&mut self, at: Duration, limit: Option<Duration>, runs: usize) -> bool {
+        let _ = (at, limit);
+        runs < MOST_RUNS
     }
 
     /// So many samples of so many have been taken.

@@ -220,6 +220,29 @@ fn a_schedule_that_the_manager_refuses_is_not_analyzed() {
     assert!(refused.to_string().contains("task 1"), "{refused}");
 }
 
+/// Has no patience.
+struct Impatient(usize);
+
+impl Surroundings for Impatient {
+    fn reached(&mut self, at: Duration, limit: Option<Duration>, runs: usize) -> bool {
+        assert!(Some(at) < limit);
+        runs < self.0
+    }
+}
+
+/// Each millisecond of a day would be eighty million runs.
+#[test]
+fn a_schedule_with_too_many_runs_is_looked_at_in_part_and_that_is_said() {
+    let mut frantic = task(1, 0, 0, 1);
+    frantic.interval = Some(Duration::from_millis(1));
+    frantic.duration = Duration::from_micros(1);
+    let (mission, options) = (Mission::default(), Options::default());
+    let analysis = analyze_in(&[frantic], &mission, &options, &mut Impatient(10_000)).unwrap();
+    assert_eq!(kinds(&analysis), [(ProblemKind::More, None)]);
+    assert!(analysis.horizon < s(60), "{}", analysis.horizon);
+    assert!(report(&analysis, 1).runs.len() >= 10_000);
+}
+
 fn varying() -> [Task; 2] {
     let mut first = task(1, 10, 1, 2);
     first.spread = Some(Spread { shortest: s(8), longest: s(20) });

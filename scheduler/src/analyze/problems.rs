@@ -28,6 +28,13 @@ pub(super) fn problems(trace: &Trace, utilisation: &Utilisation, load: UnixTime)
     all.extend(waits_for_draw(&trace.waits));
     all.extend(margins(utilisation));
     all.extend(collisions(&trace.tracks, load));
+    all.extend(trace.is_full.then(|| {
+        let message = format!(
+            "too many runs: it was looked at until {} only. A shorter horizon says what is wanted",
+            say(trace.horizon)
+        );
+        Problem::new(ProblemKind::More, message).at(trace.horizon)
+    }));
     let stuck = trace.stuck.iter().map(|why| Problem::new(ProblemKind::NeverRuns, why.clone()));
     all.extend(stuck);
     listed(all)

@@ -189,7 +189,7 @@ pub enum ProblemKind {
     Waiting,
     /// Samples were wanted, and no duration has a spread.
     NoSpread,
-    /// There are more problems of some kind than are listed.
+    /// There is more than was looked at, or is listed.
     More,
 }
 

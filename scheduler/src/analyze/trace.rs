@@ -17,6 +17,9 @@ use crate::time::{Duration, Instant, Now, UnixTime};
 /// Where routine tasks are, and nobody says how long to look.
 const A_DAY: Duration = Duration::from_secs(86_400);
 
+/// How many decisions come between two words on how far it is.
+const TELL_EVERY: u32 = 4_096;
+
 /// What happened.
 #[derive(Debug)]
 pub(super) struct Trace {
@@ -25,6 +28,8 @@ pub(super) struct Trace {
     pub(super) horizon: Duration,
     /// Whether more may happen after the horizon.
     pub(super) cut: bool,
+    /// It was given up: there were too many runs.
+    pub(super) is_full: bool,
     index: HashMap<TaskId, usize>,
     /// At this instant time did not go on.
     pub(super) stuck: Option<String>,
@@ -45,6 +50,10 @@ struct Recorder<'a> {
     /// Tasks that were given to the manager, until it accepts them.
     given: HashMap<TaskId, Task>,
     waits: Vec<Wait>,
+    /// How many attempts started, and whether that was enough.
+    started: usize,
+    events: u32,
+    is_full: bool,
     refused: Option<String>,
     surroundings: &'a mut dyn Surroundings,
 }
@@ -100,6 +109,9 @@ fn run(
     let until = limit.map_or(Instant::FAR_FUTURE, |limit| Instant::START.after(limit));
     while let Some(due) = executive.next_due().filter(|due| *due <= until) {
         executive.advance_to(due)?;
+        if !executive.outside().goes_on(due.since(Instant::START), limit) {
+            break;
+        }
     }
     Ok(())
 }
@@ -111,9 +123,21 @@ impl<'a> Recorder<'a> {
             index: HashMap::with_capacity(tasks.len()),
             given: tasks.iter().map(|task| (task.id, task.clone())).collect(),
             waits: Vec::new(),
+            started: 0,
+            events: 0,
+            is_full: false,
             refused: None,
             surroundings,
         }
+    }
+
+    /// Tells how far it is, and whether there is room for more.
+    fn goes_on(&mut self, at: Duration, limit: Option<Duration>) -> bool {
+        self.events = self.events.wrapping_add(1);
+        if self.events.is_multiple_of(TELL_EVERY) {
+            self.is_full = !self.surroundings.reached(at, limit, self.started);
+        }
+        !self.is_full
     }
 
     fn track(&mut self, task: TaskId) -> Option<&mut Track> {
@@ -162,10 +186,11 @@ impl<'a> Recorder<'a> {
         if let Some(why) = self.refused.take() {
             return Err(Failed(why));
         }
-        let Self { tracks, waits, index, .. } = self;
+        let limit = if self.is_full { Some(reached) } else { limit };
+        let Self { tracks, waits, index, is_full, .. } = self;
         let stuck = ran.err().map(|stuck| stuck.to_string());
         let cut = limit.is_some();
-        let mut trace = Trace { tracks, waits, horizon: reached, cut, index, stuck };
+        let mut trace = Trace { tracks, waits, horizon: reached, cut, is_full, index, stuck };
         if trace.stuck.is_none() {
             trace.horizon = limit.or(trace.makespan()).unwrap_or(reached);
         }
@@ -196,7 +221,10 @@ impl Outside for Recorder<'_> {
         match note {
             Note::Accepted(task) => self.accepted(*task, at, now.wall),
             Note::Waits { occurrence, waits_for } => self.waits(occurrence.task, waits_for, at),
-            Note::Started(attempt) => self.attempt(*attempt, |track| track.started(*attempt, at)),
+            Note::Started(attempt) => {
+                self.started = self.started.saturating_add(1);
+                self.attempt(*attempt, |track| track.started(*attempt, at));
+            }
             Note::Paused(attempt) => self.attempt(*attempt, |track| track.paused(at)),
             Note::Resumed(attempt) => self.attempt(*attempt, |track| track.resumed(at)),
             Note::Preempted(attempt) => self.attempt(*attempt, |track| track.over(None, at)),
