@@ -6,13 +6,19 @@
 //! priority, then sweep the whole schedule, at each event.
 
 mod decisions;
+#[path = "../../scheduler/tests/support/week.rs"]
+mod fixture;
 mod smaarte;
 #[path = "../support/mod.rs"]
 mod support;
+mod week;
 mod world;
 
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    support::run("schedule", decisions::measure)
+    support::run("schedule", |bench| {
+        decisions::measure(bench)?;
+        week::measure(bench)
+    })
 }

@@ -1,0 +1,190 @@
+//! Two executives, one manager: what the virtual clock foretells happens on the
+//! host's clock, event for event, with real bodies and the tickets of a broker.
+//!
+//! Each schedule is run by a process of its own, because the program that runs
+//! bodies adopts all orphans of its process.
+#![cfg(target_os = "linux")]
+
+#[path = "real_time/diary.rs"]
+mod diary;
+#[path = "support/mod.rs"]
+mod support;
+
+use std::collections::VecDeque;
+use std::process::{Child, Command, Stdio};
+
+use faregate_scheduler::manager::Note;
+use faregate_scheduler::mission::Mission;
+use faregate_scheduler::task::{Body, Task};
+use faregate_scheduler::time::{Duration, Instant};
+use proptest::strategy::{Strategy, ValueTree};
+use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+
+use diary::Diary;
+use support::generate;
+
+/// So many schedules are compared.
+const SCHEDULES: usize = 200;
+/// So many processes at a time: they mostly wait.
+const AT_A_TIME: usize = 6;
+/// Everything that happens is so far apart that a host which is less than half
+/// of it late cannot mix it up.
+const APART: Duration = Duration::from_millis(24);
+const UNTIL: Instant = Instant::from_micros(2_000_000);
+/// A schedule on which the host was too late is tried again, so often.
+const TRIES: u32 = 6;
+
+/// The schedules are the same in each run.
+const SEED: [u8; 32] = *b"two executives, one step functio";
+
+/// Names the schedule that a child is to run.
+const CHILD: &str = "FAREGATE_TEST_SCHEDULE";
+
+type Told = Vec<(Instant, Note)>;
+
+fn schedules() -> impl Iterator<Item = Vec<Task>> {
+    let rng = TestRng::from_seed(RngAlgorithm::ChaCha, &SEED);
+    let mut runner = TestRunner::new_with_rng(Config::default(), rng);
+    let strategy = generate::schedule(5);
+    let mission = Mission::default();
+    std::iter::repeat_with(move || strategy.new_tree(&mut runner).unwrap().current())
+        .map(some_hold)
+        .filter(move |tasks| generate::is_clear(tasks, &mission, UNTIL, APART))
+}
+
+/// Two in three bodies need no process: the host is the less late.
+fn some_hold(mut tasks: Vec<Task>) -> Vec<Task> {
+    for task in tasks.iter_mut().filter(|task| task.id.get() % 3 != 0) {
+        task.body = Body::Hold;
+    }
+    tasks
+}
+
+/// The part of a child: runs one schedule, and prints what the manager told.
+#[test]
+#[ignore = "the part of a child process"]
+fn child() {
+    let Ok(number) = std::env::var(CHILD) else { return };
+    let tasks = schedules().nth(number.parse().unwrap()).unwrap();
+    let told = diary::run(tasks, UNTIL);
+    println!("\n{CHILD} {}", serde_json::to_string(&told).unwrap());
+}
+
+fn spawn(number: usize) -> Child {
+    let mut command = Command::new(std::env::current_exe().unwrap());
+    command.args(["--exact", "child", "--ignored", "--nocapture", "--test-threads=1"]);
+    command.env(CHILD, number.to_string()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command.spawn().unwrap()
+}
+
+fn told_by(child: Child) -> Told {
+    let output = child.wait_with_output().unwrap();
+    let text = String::from_utf8(output.stdout).unwrap();
+    let line = text.lines().find_map(|line| line.strip_prefix(CHILD));
+    let line = line.unwrap_or_else(|| {
+        panic!("a child told nothing: {text}{}", String::from_utf8_lossy(&output.stderr))
+    });
+    serde_json::from_str(line.trim()).unwrap()
+}
+
+/// What came of one try.
+#[derive(Debug, PartialEq, Eq)]
+enum Compared {
+    Equal,
+    /// They differ, and the host was in time until then.
+    Differ(usize),
+    /// They differ, or the host told less, after it had been too late.
+    Late,
+}
+
+/// What is told of waiting is told when somebody looks: a decision more or less
+/// tells it at another one.
+fn happened(told: &Told, until: Instant) -> Vec<(Instant, &Note)> {
+    let happened = told.iter().filter(|(at, note)| {
+        *at < until && !matches!(note, Note::Waits { .. } | Note::Accepted(_))
+    });
+    happened.map(|(at, note)| (*at, note)).collect()
+}
+
+fn compare(foretold: &Told, real: &Told) -> Compared {
+    // What is foretold for the last moment a host may do after it.
+    let (foretold, real) = (happened(foretold, before(UNTIL)), happened(real, UNTIL));
+    let late = |at: &Instant, foretold: &Instant| at.since(*foretold) >= half(APART);
+    let mut was_late = false;
+    for (place, (at, note)) in foretold.iter().enumerate() {
+        let Some((real_at, real_note)) = real.get(place) else { break };
+        if real_note != note {
+            return if was_late { Compared::Late } else { Compared::Differ(place) };
+        }
+        was_late |= late(real_at, at);
+    }
+    match real.len() >= foretold.len() {
+        true => Compared::Equal,
+        false if was_late => Compared::Late,
+        false => Compared::Differ(real.len()),
+    }
+}
+
+fn half(duration: Duration) -> Duration {
+    Duration::from_micros(duration.as_micros() / 2)
+}
+
+fn before(instant: Instant) -> Instant {
+    Instant::from_micros(instant.as_micros() - APART.as_micros())
+}
+
+#[test]
+fn what_is_foretold_happens_event_for_event() {
+    let all: Vec<_> = schedules().take(SCHEDULES).collect();
+    let mission = Mission::default();
+    let foretold: Vec<_> = all.iter().map(|tasks| generate::told(tasks, &mission, UNTIL)).collect();
+    let mut waiting: VecDeque<_> = (0..all.len()).map(|number| (number, 1)).collect();
+    let mut running = VecDeque::new();
+    let (mut equal, mut events, mut never_in_time) = (0, 0, 0);
+    while !(waiting.is_empty() && running.is_empty()) {
+        while running.len() < AT_A_TIME
+            && let Some((number, attempt)) = waiting.pop_front()
+        {
+            running.push_back((number, attempt, spawn(number)));
+        }
+        let Some((number, attempt, child)) = running.pop_front() else { break };
+        let real = told_by(child);
+        match compare(&foretold[number], &real) {
+            Compared::Equal => {
+                equal += 1;
+                events += happened(&real, UNTIL).len();
+            }
+            Compared::Late if attempt < TRIES => waiting.push_back((number, attempt + 1)),
+            Compared::Late => never_in_time += 1,
+            Compared::Differ(place) => panic!(
+                "schedule {number} differs at event {place}:\n{:#?}\nforetold {:#?}\nreal {:#?}",
+                all[number],
+                happened(&foretold[number], UNTIL),
+                happened(&real, UNTIL),
+            ),
+        }
+    }
+    println!(
+        "{equal} schedules, {events} events alike; the host was never in time for {never_in_time}"
+    );
+    assert!(equal > 0, "the host was in time for none");
+}
+
+#[test]
+fn a_comparison_finds_what_differs() {
+    let mission = Mission::default();
+    let tasks = schedules().find(|tasks| tasks.len() > 3).unwrap();
+    let foretold = generate::told(&tasks, &mission, UNTIL);
+    let mut other = foretold.clone();
+    assert_eq!(compare(&foretold, &other), Compared::Equal);
+    let is_start = |(_, note): &(Instant, Note)| matches!(note, Note::Started(_));
+    let start = other.iter().position(is_start).unwrap();
+    other.remove(start);
+    assert!(matches!(compare(&foretold, &other), Compared::Differ(_)));
+}
+
+#[test]
+fn a_diary_begins_when_the_schedule_is_loaded() {
+    let diary = Diary::default();
+    assert!(diary.told().is_empty());
+}
