@@ -152,7 +152,7 @@ fn read_named(
     bytes: &[u8],
     names: Option<&Mission>,
 ) -> Result<Loaded, Vec<Diagnostic>> {
-    let source = Source::new(name, bytes).map_err(|wrong| vec![wrong])?;
+    let source = Source::new(name, bytes)?;
     let mut report = Report::new(&source);
     let Some(kind) = options.kind.or_else(|| Kind::of(name)) else {
         let wrong = Wrong::new(Rule::Format, "the name does not say in which format this is");

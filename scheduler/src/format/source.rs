@@ -19,7 +19,7 @@ impl<'a> Source<'a> {
     /// # Errors
     ///
     /// The bytes are no UTF-8: the first place where they are not.
-    pub(crate) fn new(name: &'a str, bytes: &'a [u8]) -> Result<Self, Diagnostic> {
+    pub(crate) fn new(name: &'a str, bytes: &'a [u8]) -> Result<Self, Vec<Diagnostic>> {
         if bytes.starts_with(&[0xFF, 0xFE]) || bytes.starts_with(&[0xFE, 0xFF]) {
             return Err(not_utf8(Self::of(name, ""), "the file is in UTF-16"));
         }
@@ -107,11 +107,12 @@ fn line_starts(text: &str) -> Vec<usize> {
 }
 
 #[expect(clippy::needless_pass_by_value, reason = "made for this error alone")]
-fn not_utf8(source: Source<'_>, message: &str) -> Diagnostic {
+fn not_utf8(source: Source<'_>, message: &str) -> Vec<Diagnostic> {
     let end = source.text.len();
-    Diagnostic::error(Rule::Encoding, source.name, source.place(end..end), message)
+    let wrong = Diagnostic::error(Rule::Encoding, source.name, source.place(end..end), message)
         .expected("text in UTF-8")
-        .help("save the file as UTF-8: spreadsheets call it \"CSV UTF-8\"")
+        .help("save the file as UTF-8: spreadsheets call it \"CSV UTF-8\"");
+    vec![wrong]
 }
 
 #[cfg(test)]
@@ -136,7 +137,8 @@ mod tests {
     #[test]
     fn what_is_not_utf8_is_told_with_its_place() {
         let latin1 = Source::new("x", b"\xEF\xBB\xBFid\n1,caf\xE9").unwrap_err();
+        let latin1 = &latin1[0];
         assert_eq!((latin1.place.line, latin1.place.column), (2, 6));
-        assert!(Source::new("x", b"\xFF\xFEi\0").unwrap_err().message.contains("UTF-16"));
+        assert!(Source::new("x", b"\xFF\xFEi\0").unwrap_err()[0].message.contains("UTF-16"));
     }
 }
