@@ -4,7 +4,11 @@
 
 mod bodies {
     pub(crate) mod bench;
+    mod functions;
+    mod leftovers;
     pub(crate) mod look;
+    mod ports;
     mod processes;
+    mod sequences;
     mod trees;
 }

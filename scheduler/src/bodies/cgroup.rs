@@ -13,6 +13,9 @@ use std::path::{Path, PathBuf};
 
 use rustix::fs::{CWD, Mode, OFlags, openat};
 
+/// What the names of managers' groups begin with.
+const PREFIX: &str = "faregate-";
+
 /// The group of one manager, above those of its attempts.
 #[derive(Debug)]
 pub(super) struct Groups {
@@ -26,7 +29,7 @@ impl Groups {
     /// Why there is none, for people.
     pub(super) fn make(run: &str) -> Result<Self, String> {
         let own = own_group()?;
-        let path = own.join(format!("faregate-{run}"));
+        let path = own.join(format!("{PREFIX}{run}"));
         let made = Self { path };
         fs::create_dir(&made.path).map_err(|error| format!("{}: {error}", made.path.display()))?;
         for file in ["cgroup.freeze", "cgroup.kill"] {
@@ -128,6 +131,17 @@ impl Drop for Group {
     }
 }
 
+/// Whether this is the group of the attempt with this mark: its run, a dot, and
+/// its serial number.
+pub(super) fn is_group_of(group: &str, mark: &str) -> bool {
+    let (Some((run, serial)), Some((above, own))) = (mark.split_once('.'), group.rsplit_once('/'))
+    else {
+        return false;
+    };
+    let above = above.rsplit('/').next().and_then(|name| name.strip_prefix(PREFIX));
+    own == serial && above == Some(run)
+}
+
 /// Whom a group and the groups below it hold.
 pub(super) fn pids_below(path: &Path) -> Vec<i32> {
     let mut pids = pids_in(path);
@@ -183,6 +197,14 @@ fn mounted(line: &str, group: &str) -> Option<PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_group_is_that_of_the_attempt_whose_mark_it_bears() {
+        assert!(is_group_of("/a/faregate-1f/7", "1f.7"));
+        for other in ["/faregate-1f/8", "/faregate-2f/7", "/1f/7", "/faregate-1f", "", "/7"] {
+            assert!(!is_group_of(other, "1f.7"), "{other}");
+        }
+    }
 
     #[test]
     fn a_group_is_found_below_the_root_that_is_mounted() {

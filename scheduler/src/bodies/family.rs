@@ -7,7 +7,7 @@
 //!
 //! A child that was not started here and whose session is not this program's is
 //! such an orphan. It belongs to the attempt that it was seen in before, whose
-//! session it is in, or whose mark is in its environment. One with none of
+//! session or control group it is in, or whose mark is in its environment. One with none of
 //! these hides where it comes from: a *stray*, which is killed when it is seen.
 //! (A program that embeds the schedule manager and starts children of its own
 //! keeps them in its own session, or they look like that.)
@@ -18,6 +18,7 @@ use std::io;
 use parking_lot::Mutex;
 use rustix::process::{PidfdFlags, Signal, pidfd_open, pidfd_send_signal};
 
+use crate::bodies::cgroup;
 use crate::bodies::procfs::{self, Stat};
 
 /// The environment variable that marks what an attempt has started: the run of
@@ -43,18 +44,34 @@ impl Kin {
         Self { mark, known: BTreeMap::new(), sessions: BTreeSet::from([main]) }
     }
 
-    fn claims(&self, orphan: &Stat, mark: Option<&str>) -> bool {
+    fn claims(&self, orphan: &Stat, mark: Option<&str>, group: &str) -> bool {
         self.known.get(&orphan.pid) == Some(&orphan.start)
             || self.sessions.contains(&orphan.session)
             || mark == Some(&self.mark)
+            || cgroup::is_group_of(group, &self.mark)
     }
 }
 
 /// All living descendants of this program, told apart by attempt.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Census {
     by_main: BTreeMap<i32, Vec<Stat>>,
     strays: Vec<Stat>,
+    /// Somebody's origin is not to be seen yet.
+    unsettled: bool,
+}
+
+/// Whom a child of this program belongs to.
+enum Origin {
+    /// The attempt with this main process.
+    Attempt(i32),
+    /// Whoever started it: it is in this program's session. Or a manager that
+    /// was killed, and whose processes came to us: that is the sweep's affair.
+    Another,
+    /// It is between two programs, or about to end.
+    NotToBeSeen,
+    /// It hides.
+    Nobody,
 }
 
 impl Census {
@@ -68,24 +85,23 @@ impl Census {
         let own_session = all.iter().find(|stat| stat.pid == me).map_or(0, |stat| stat.session);
         let tree = Tree::new(&all);
         let mut family = FAMILY.lock();
-        let mut census = Self { by_main: BTreeMap::new(), strays: Vec::new() };
+        let mut census = Self::default();
         for child in tree.children(me) {
-            let owner = if family.contains_key(&child.pid) {
-                Some(child.pid)
-            } else if child.session == own_session {
-                continue;
-            } else {
-                owner(&family, child)
-            };
             let living = tree.with_descendants(child).into_iter().filter(|stat| !stat.is_dead());
-            match owner {
-                Some(main) => census.by_main.entry(main).or_default().extend(living),
-                None if is_anothers(child) => {}
-                None => census.strays.extend(living),
+            match origin(&family, child, own_session) {
+                Origin::Attempt(main) => census.by_main.entry(main).or_default().extend(living),
+                Origin::Another => {}
+                Origin::NotToBeSeen => census.unsettled = true,
+                Origin::Nobody => census.strays.extend(living),
             }
         }
         census.remember(&mut family, own_session);
         census
+    }
+
+    /// Whether everybody was told apart, and nobody hides.
+    pub(super) fn is_settled(&self) -> bool {
+        self.strays.is_empty() && !self.unsettled
     }
 
     /// What lives of the attempt with this main process.
@@ -113,17 +129,24 @@ impl Census {
     }
 }
 
-fn owner(family: &BTreeMap<i32, Kin>, orphan: &Stat) -> Option<i32> {
-    let environment = procfs::environment(orphan.pid);
-    let mark = procfs::variable(&environment, MARK);
-    family.iter().find(|(_, kin)| kin.claims(orphan, mark)).map(|(main, _)| *main)
-}
-
-/// Whether it is dead, or belongs to a manager that was killed and whose
-/// processes came to us: that is the sweep's affair.
-fn is_anothers(orphan: &Stat) -> bool {
-    let environment = procfs::environment(orphan.pid);
-    orphan.is_dead() || procfs::variable(&environment, MARK).is_some()
+fn origin(family: &BTreeMap<i32, Kin>, child: &Stat, own_session: i32) -> Origin {
+    if family.contains_key(&child.pid) {
+        return Origin::Attempt(child.pid);
+    }
+    if child.session == own_session {
+        return Origin::Another;
+    }
+    let environment = procfs::environment(child.pid);
+    let mark = environment.as_ref().and_then(|environment| procfs::variable(environment, MARK));
+    let group = procfs::control_group(child.pid);
+    let owner = family.iter().find(|(_, kin)| kin.claims(child, mark, &group));
+    match (owner, mark, environment.is_some()) {
+        (Some((main, _)), _, _) => Origin::Attempt(*main),
+        (None, Some(_), _) => Origin::Another,
+        (None, None, _) if child.is_dead() => Origin::Another,
+        (None, None, true) => Origin::Nobody,
+        (None, None, false) => Origin::NotToBeSeen,
+    }
 }
 
 /// While everybody was looked at, parents died. Whoever was seen with one that

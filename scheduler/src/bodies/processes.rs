@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::mem::MaybeUninit;
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
+use std::path::Path;
 
 use rustix::event::{PollFd, PollFlags, Timespec, epoll, poll};
 use rustix::process::Pid;
@@ -15,6 +16,7 @@ use crate::bodies::launch::{Order, Prepared};
 use crate::bodies::output::{Output, Scribe};
 use crate::bodies::process::{Became, Process};
 use crate::bodies::settings::{Moment, Settings};
+use crate::bodies::sweep::Run;
 use crate::executive::{PortFactory, PortNotice};
 use crate::manager::{Attempt, Event, Stop};
 use crate::time::{Duration, Instant};
@@ -32,8 +34,7 @@ const LAST_LOOK: Timespec = Timespec { tv_sec: 0, tv_nsec: 10_000_000 };
 pub(super) struct Processes {
     settings: Settings,
     ports: Box<dyn PortFactory>,
-    run: String,
-    groups: Result<Groups, String>,
+    run: Run,
     epoll: OwnedFd,
     bell: Bell,
     scribe: Scribe,
@@ -44,8 +45,7 @@ pub(super) struct Processes {
 impl Processes {
     pub(super) fn new(
         settings: Settings,
-        run: String,
-        groups: Result<Groups, String>,
+        run: Run,
         ports: Box<dyn PortFactory>,
     ) -> io::Result<Self> {
         family::adopt_orphans()?;
@@ -54,11 +54,11 @@ impl Processes {
         epoll::add(&epoll, &bell, epoll::EventData::new_u64(BELL), epoll::EventFlags::IN)?;
         let scribe = Scribe::new(settings.output_kept)?;
         let live = BTreeMap::new();
-        Ok(Self { settings, ports, run, groups, epoll, bell, scribe, live, next_serial: 0 })
+        Ok(Self { settings, ports, run, epoll, bell, scribe, live, next_serial: 0 })
     }
 
-    pub(super) fn groups(&self) -> Result<&std::path::Path, &str> {
-        self.groups.as_ref().map(Groups::path).map_err(String::as_str)
+    pub(super) fn groups(&self) -> Result<&Path, &str> {
+        self.run.groups.as_ref().map(Groups::path).map_err(String::as_str)
     }
 
     /// # Errors
@@ -72,7 +72,7 @@ impl Processes {
         let serial = self.next_serial;
         self.next_serial += 1;
         let port = self.ports.open(attempt).map_err(|error| format!("no command port: {error}"))?;
-        let mark = format!("{}.{serial}", self.run);
+        let mark = self.run.mark(serial);
         let order = Order { program, arguments, attempt, mark, port, group: None };
         let process = self.fork(serial, order).inspect_err(|_| self.ports.close(attempt))?;
         self.watch(serial, &process);
@@ -82,7 +82,7 @@ impl Processes {
 
     fn fork(&mut self, serial: u64, order: Order<'_>) -> Result<Process, String> {
         let (attempt, program) = (order.attempt, order.program);
-        let group = self.groups.as_ref().ok().map(|groups| groups.group(serial)).transpose();
+        let group = self.run.groups.as_ref().ok().map(|groups| groups.group(serial)).transpose();
         let group = group.map_err(|error| format!("no control group: {error}"))?;
         let directory = group.as_ref().map(Group::directory);
         let mut prepared = Prepared::new(Order { group: directory, ..order })?;
@@ -224,7 +224,7 @@ impl Drop for Processes {
         for _ in 0..LAST_LOOKS {
             self.poll(now, &mut Vec::new(), |_, _| {});
             if self.live.is_empty() {
-                return;
+                return self.run.is_over();
             }
             let _ = poll(&mut [PollFd::new(&self.epoll, PollFlags::IN)], Some(&LAST_LOOK));
             now = now.after(LOOKS_APART);

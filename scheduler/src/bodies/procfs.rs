@@ -81,9 +81,28 @@ fn stop_is_pending(pid: i32) -> bool {
 }
 
 /// The environment that the process was executed with, as `NAME=value` lines
-/// that end with a zero. Empty where it may not be seen.
-pub(super) fn environment(pid: i32) -> Vec<u8> {
-    fs::read(format!("/proc/{pid}/environ")).unwrap_or_default()
+/// that end with a zero. Empty where it may not be seen. `None`: the process is
+/// between two programs, or about to be none, and has no environment.
+pub(super) fn environment(pid: i32) -> Option<Vec<u8>> {
+    let read = || fs::read(format!("/proc/{pid}/environ"));
+    match read() {
+        Ok(empty) if empty.is_empty() => {
+            let mut buffer = [0; 1024];
+            let length = read_into(&format!("/proc/{pid}/stat"), &mut buffer).unwrap_or(0);
+            let fields = buffer.get(..length).and_then(fields);
+            let begins = fields.and_then(|(_, fields)| fields.get(ENVIRONMENT).copied());
+            // It may have come to its program since it was read.
+            if begins == Some("0") { None } else { Some(read().unwrap_or_default()) }
+        }
+        Ok(environment) => Some(environment),
+        Err(_) => Some(Vec::new()),
+    }
+}
+
+/// The control group that the process is in, below the root of the groups.
+pub(super) fn control_group(pid: i32) -> String {
+    let groups = fs::read_to_string(format!("/proc/{pid}/cgroup")).unwrap_or_default();
+    groups.lines().find_map(|line| line.strip_prefix("0::")).unwrap_or_default().to_owned()
 }
 
 /// The value of a variable in what [`environment`] gave.
@@ -104,16 +123,23 @@ fn read_into(path: &str, buffer: &mut [u8]) -> io::Result<usize> {
     Ok(rustix::io::read(&file, buffer)?)
 }
 
+/// Where the environment begins, among the fields after the name.
+const ENVIRONMENT: usize = 47;
+
 /// `pid (name) state parent group session ...`. The name may have spaces and
 /// parentheses in it: what counts begins after the last one.
-fn parse(line: &[u8]) -> Option<Stat> {
+fn fields(line: &[u8]) -> Option<(&str, Vec<&str>)> {
     let (opens, closes) =
         (line.iter().position(|b| *b == b'(')?, line.iter().rposition(|b| *b == b')')?);
     let pid = str::from_utf8(line.get(..opens)?).ok()?;
     let rest = str::from_utf8(line.get(closes + 1..)?).ok()?;
-    let fields: Vec<&str> = rest.split_ascii_whitespace().collect();
+    Some((pid.trim(), rest.split_ascii_whitespace().collect()))
+}
+
+fn parse(line: &[u8]) -> Option<Stat> {
+    let (pid, fields) = fields(line)?;
     Some(Stat {
-        pid: pid.trim().parse().ok()?,
+        pid: pid.parse().ok()?,
         state: *fields.first()?.as_bytes().first()?,
         parent: fields.get(1)?.parse().ok()?,
         session: fields.get(3)?.parse().ok()?,

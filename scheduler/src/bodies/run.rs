@@ -6,11 +6,15 @@ use std::io;
 use std::os::fd::{AsFd, BorrowedFd};
 use std::path::Path;
 
-use crate::bodies::cgroup::Groups;
+use crate::bodies::functions::Calls;
+use crate::bodies::holds::Holds;
 use crate::bodies::output::Output;
 use crate::bodies::processes::Processes;
-use crate::bodies::settings::Settings;
-use crate::executive::{Bodies, PortFactory, StartBody, Waker, Watched};
+use crate::bodies::sequences::Sequences;
+use crate::bodies::settings::{Settings, Surroundings};
+use crate::bodies::sweep::Run;
+use crate::bodies::workers::{Report, Workers};
+use crate::executive::{Bodies, StartBody, Waker, Watched};
 use crate::manager::{Attempt, Event, Exit, Stop, StopWhy};
 use crate::task::Body;
 use crate::time::{Instant, Now};
@@ -22,32 +26,37 @@ use crate::time::{Instant, Now};
 /// has happened to a process; the [`Waker`] is rung for everything else.
 pub struct RealBodies {
     processes: Processes,
+    calls: Calls,
+    sequences: Sequences,
+    holds: Holds,
+    workers: Workers,
     waker: Waker,
     pending: Vec<Event>,
-    outputs: VecDeque<(Attempt, Output)>,
-    outputs_kept: usize,
+    outputs: Outputs,
 }
 
 impl RealBodies {
-    /// Bodies whose processes reach devices through `ports`.
+    /// Bodies that ring this bell.
     ///
     /// Makes this program the one that adopts orphans among its descendants
     /// (`PR_SET_CHILD_SUBREAPER`), and listens to SIGCHLD beside whoever else
     /// does.
     ///
     /// # Errors
-    /// When the host has no descriptor or thread left, or shows no processes.
-    pub fn new(settings: Settings, waker: Waker, ports: Box<dyn PortFactory>) -> io::Result<Self> {
-        let run = std::fs::read_to_string("/proc/sys/kernel/random/uuid")?.trim().to_owned();
-        let groups = if settings.control_groups {
-            Groups::make(&run)
-        } else {
-            Err("they are not to be used".to_owned())
-        };
-        let outputs_kept = settings.outputs_kept;
-        let processes = Processes::new(settings, run, groups, ports)?;
-        let (pending, outputs) = (Vec::new(), VecDeque::new());
-        Ok(Self { processes, waker, pending, outputs, outputs_kept })
+    /// When the host has no descriptor or thread left.
+    pub fn new(settings: Settings, waker: Waker, around: Surroundings) -> io::Result<Self> {
+        let Surroundings { ports, commands, functions } = around;
+        let run = Run::begin(&settings)?;
+        Ok(Self {
+            workers: Workers::new(&settings, commands, waker.clone())?,
+            calls: Calls::new(functions),
+            sequences: Sequences::default(),
+            holds: Holds::default(),
+            waker,
+            pending: Vec::new(),
+            outputs: Outputs::new(settings.outputs_kept),
+            processes: Processes::new(settings, run, ports)?,
+        })
     }
 
     /// The control group that the processes' own are made in, or why there is
@@ -63,8 +72,7 @@ impl RealBodies {
     /// outputs are kept.
     #[must_use]
     pub fn output(&self, attempt: Attempt) -> Option<Output> {
-        let over = || self.outputs.iter().find(|(of, _)| *of == attempt);
-        self.processes.output(attempt).or_else(|| over().map(|(_, output)| output.clone()))
+        self.processes.output(attempt).or_else(|| self.outputs.get(attempt))
     }
 
     /// Bytes of memory that the processes of an attempt have in use, all
@@ -84,12 +92,37 @@ impl RealBodies {
     }
 
     fn begin(&mut self, body: StartBody<'_>) -> Result<(), String> {
-        match &body.task.body {
+        let StartBody { attempt, task, now } = body;
+        match &task.body {
             Body::Process { program, arguments } => {
-                self.processes.start(body.attempt, program, arguments)
+                self.processes.start(attempt, program, arguments)?;
             }
-            Body::Function { .. } | Body::Sequence(_) | Body::Hold | Body::BuiltIn(_) => {
-                Err("not yet".into())
+            Body::Function { number, arguments } => {
+                self.calls.start(attempt, *number, arguments, &mut self.workers)?;
+            }
+            Body::Sequence(steps) => self.sequences.start(attempt, steps, now.elapsed),
+            Body::Hold => self.holds.start(attempt, task.duration, now.elapsed),
+            Body::BuiltIn(_) => return Err("the manager itself runs its own functions".into()),
+        }
+        Ok(())
+    }
+
+    /// What sequences do at once, and that there is something to tell.
+    fn follow_up(&mut self, now: Instant) {
+        self.sequences.poll(now, &mut self.workers, &mut self.pending);
+        if !self.pending.is_empty() {
+            self.waker.wake();
+        }
+    }
+
+    fn hear(&mut self, now: Instant, events: &mut Vec<Event>) {
+        while let Some(report) = self.workers.next_report() {
+            match report {
+                Report::Returned(attempt, _, exit) => self.calls.returned(attempt, exit, events),
+                Report::Answered(attempt, worker, answer) => {
+                    self.sequences.answered(attempt, worker, answer, now, events);
+                }
+                Report::Heartbeat(attempt) => events.push(Event::Heartbeat { attempt }),
             }
         }
     }
@@ -100,36 +133,75 @@ impl Bodies for RealBodies {
         if let Err(why) = self.begin(body) {
             let exit = Exit::NotStarted(why);
             self.pending.push(Event::Exited { attempt: body.attempt, exit });
-            self.waker.wake();
         }
+        self.follow_up(body.now.elapsed);
     }
 
     fn stop(&mut self, attempt: Attempt, how: Stop, _: &StopWhy, now: Now) {
         self.processes.stop(attempt, how, now.elapsed);
+        self.calls.stop(attempt, how, now.elapsed);
+        self.sequences.stop(attempt, how, now.elapsed);
+        self.holds.stop(attempt, how, now.elapsed, &mut self.pending);
+        self.follow_up(now.elapsed);
     }
 
-    fn resume(&mut self, attempt: Attempt, _: Now) {
+    fn resume(&mut self, attempt: Attempt, now: Now) {
         self.processes.resume(attempt);
+        self.sequences.resume(attempt, now.elapsed);
+        self.holds.resume(attempt, now.elapsed);
+        self.follow_up(now.elapsed);
     }
 
     fn poll(&mut self, now: Now, events: &mut Vec<Event>) {
+        let now = now.elapsed;
         events.append(&mut self.pending);
-        let (outputs, kept) = (&mut self.outputs, self.outputs_kept);
-        self.processes.poll(now.elapsed, events, |attempt, output| {
-            outputs.push_back((attempt, output));
-            let excess = outputs.len().saturating_sub(kept);
-            outputs.drain(..excess);
-        });
+        self.hear(now, events);
+        self.calls.poll(now, &mut self.workers, events);
+        self.sequences.poll(now, &mut self.workers, events);
+        self.holds.poll(now, events);
+        let outputs = &mut self.outputs;
+        self.processes.poll(now, events, |attempt, output| outputs.keep(attempt, output));
     }
 
     fn next_due(&self) -> Option<Instant> {
-        self.processes.next_due()
+        let told = (!self.pending.is_empty()).then_some(Instant::START);
+        let parts = [
+            told,
+            self.processes.next_due(),
+            self.calls.next_due(),
+            self.sequences.next_due(),
+            self.holds.next_due(),
+        ];
+        parts.into_iter().flatten().min()
     }
 }
 
 impl Watched for RealBodies {
     fn fds<'a>(&'a self, fds: &mut Vec<BorrowedFd<'a>>) {
         fds.push(self.as_fd());
+    }
+}
+
+/// The outputs of attempts that are over, the last ones'.
+struct Outputs {
+    kept: VecDeque<(Attempt, Output)>,
+    limit: usize,
+}
+
+impl Outputs {
+    fn new(limit: usize) -> Self {
+        Self { kept: VecDeque::new(), limit }
+    }
+
+    fn keep(&mut self, attempt: Attempt, output: Output) {
+        self.kept.push_back((attempt, output));
+        let excess = self.kept.len().saturating_sub(self.limit);
+        self.kept.drain(..excess);
+    }
+
+    fn get(&self, attempt: Attempt) -> Option<Output> {
+        let found = self.kept.iter().rev().find(|(of, _)| *of == attempt);
+        found.map(|(_, output)| output.clone())
     }
 }
 

@@ -4,6 +4,8 @@ use core::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use crate::bodies::functions::Functions;
+use crate::executive::{Commands, NoDevices, NoPorts, PortFactory};
 use crate::manager::Attempt;
 
 /// What can be set about bodies.
@@ -38,6 +40,34 @@ impl Default for Settings {
             control_groups: true,
             probe: Probe::default(),
         }
+    }
+}
+
+/// What bodies reach, and who reaches them.
+pub struct Surroundings {
+    /// Processes' way to the manager.
+    pub ports: Box<dyn PortFactory>,
+    /// What functions and sequences command.
+    pub commands: Arc<dyn Commands>,
+    /// The functions that tasks can be.
+    pub functions: Functions,
+}
+
+impl Default for Surroundings {
+    /// No ports, no devices, no functions: what a schedule of mere programs
+    /// needs.
+    fn default() -> Self {
+        Self {
+            ports: Box::new(NoPorts),
+            commands: Arc::new(NoDevices),
+            functions: Functions::new(),
+        }
+    }
+}
+
+impl fmt::Debug for Surroundings {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Surroundings").field("functions", &self.functions).finish_non_exhaustive()
     }
 }
 

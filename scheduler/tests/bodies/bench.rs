@@ -1,11 +1,10 @@
 //! A manager's thread in miniature: it starts and stops bodies, and waits for
 //! what becomes of them as an executive does.
 
-use std::sync::Arc;
 use std::time;
 
-use faregate_scheduler::bodies::{RealBodies, Settings};
-use faregate_scheduler::executive::{Bodies, Commands, NoPorts, PortFactory, StartBody, Waker};
+use faregate_scheduler::bodies::{RealBodies, Settings, Surroundings};
+use faregate_scheduler::executive::{Bodies, StartBody, Waker};
 use faregate_scheduler::manager::{Attempt, Event, Exit, Occurrence, Stop, StopWhy};
 use faregate_scheduler::task::{Body, Task, TaskId};
 use faregate_scheduler::time::{Duration, Instant, Now};
@@ -45,12 +44,12 @@ pub(crate) fn shell(script: &str) -> Body {
 
 impl Bench {
     pub(crate) fn new(settings: Settings) -> Self {
-        Self::with_ports(settings, Box::new(NoPorts))
+        Self::around(settings, Surroundings::default())
     }
 
-    pub(crate) fn with_ports(settings: Settings, ports: Box<dyn PortFactory>) -> Self {
+    pub(crate) fn around(settings: Settings, around: Surroundings) -> Self {
         let waker = Waker::new().unwrap();
-        let bodies = RealBodies::new(settings, waker.clone(), ports).unwrap();
+        let bodies = RealBodies::new(settings, waker.clone(), around).unwrap();
         Self { bodies, waker, begun: time::Instant::now(), next: 1, told: Vec::new() }
     }
 
@@ -60,9 +59,13 @@ impl Bench {
     }
 
     pub(crate) fn start(&mut self, body: Body) -> Attempt {
+        self.start_for(body, Duration::ZERO)
+    }
+
+    pub(crate) fn start_for(&mut self, body: Body, duration: Duration) -> Attempt {
         let id = TaskId::new(self.next).unwrap();
         self.next += 1;
-        let task = Task::new(id, body);
+        let task = Task { duration, ..Task::new(id, body) };
         let occurrence = Occurrence { task: id, load: 0, number: 3 };
         let attempt = Attempt { occurrence, number: 2 };
         let now = self.now();
@@ -161,6 +164,3 @@ impl Bench {
         &self.told
     }
 }
-
-/// Commands that tests can share.
-pub(crate) type Devices = Arc<dyn Commands>;

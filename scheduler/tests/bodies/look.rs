@@ -44,6 +44,12 @@ pub(crate) fn marked(word: &str) -> BTreeSet<i32> {
     .collect()
 }
 
+/// What the process was executed as, with a zero after each word.
+pub(crate) fn command(pid: i32) -> String {
+    let words = fs::read(format!("/proc/{pid}/cmdline")).unwrap_or_default();
+    String::from_utf8_lossy(&words).into_owned()
+}
+
 /// Processor time that these have used together.
 pub(crate) fn ticks(pids: &BTreeSet<i32>) -> u64 {
     pids.iter().filter_map(|pid| seen(*pid)).map(|seen| seen.ticks).sum()

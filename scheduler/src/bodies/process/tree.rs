@@ -43,7 +43,7 @@ impl Process {
         let frozen = self.frozen();
         let census = Census::take();
         census.kill_strays();
-        let mut still = !self.freezes || frozen.is_some();
+        let mut still = census.is_settled() && (!self.freezes || frozen.is_some());
         let frozen = frozen.unwrap_or_default();
         let loose: Vec<Stat> =
             self.living(&census).into_iter().filter(|stat| !frozen.contains(&stat.pid)).collect();
@@ -97,7 +97,7 @@ impl Process {
         for stat in &living {
             signal(stat, Signal::KILL);
         }
-        let empty = living.is_empty() && !populated;
+        let empty = living.is_empty() && !populated && census.is_settled();
         if !empty {
             self.signal_main_group(Signal::KILL);
         }
