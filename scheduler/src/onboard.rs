@@ -26,9 +26,11 @@ use std::sync::Arc;
 
 use faregate_client::{Problem, RefusalKind, Refused};
 
-use crate::bodies::{RealBodies, Settings};
+use crate::bodies::{Functions, RealBodies, Settings, Surroundings};
 use crate::control::{Links, ReadSchedule, SocketLink};
-use crate::executive::{Correspondent, HostClock, HostExecutive, JournalSink, Unwritten, Waker};
+use crate::executive::{
+    Commands, Correspondent, HostClock, HostExecutive, JournalSink, Unwritten, Waker,
+};
 use crate::format::{self, Diagnostic};
 use crate::journal::{Journal, JournalError, Opened, Options};
 use crate::manager::{Addition, Record, Reply, Restored, Telecommand};
@@ -49,6 +51,7 @@ pub struct Builder {
     waker: Waker,
     installation: Installation,
     settings: Settings,
+    functions: Functions,
     kept: Kept,
     restored: Restored,
     opened: Option<Opened>,
@@ -126,6 +129,7 @@ impl Onboard {
             waker,
             installation,
             settings: Settings::default(),
+            functions: Functions::new(),
             kept: Kept::Nowhere(Unwritten),
             restored: Restored::default(),
             opened: None,
@@ -175,7 +179,14 @@ impl Builder {
         Ok(self)
     }
 
-    /// What can be set about bodies: functions, limits of outputs and workers.
+    /// The functions that tasks can be.
+    #[must_use]
+    pub fn functions(mut self, functions: Functions) -> Self {
+        self.functions = functions;
+        self
+    }
+
+    /// What can be set about bodies: limits of outputs and workers.
     #[must_use]
     pub fn bodies(mut self, settings: Settings) -> Self {
         self.settings =
@@ -257,7 +268,8 @@ impl Builder {
     ) -> Result<Onboard<O>, NotOnboard> {
         self.drivers()?;
         let tickets = self.installation.start()?;
-        let ports = CommandServer::start(Arc::new(tickets.commander()), self.waker.clone())?;
+        let commands: Arc<dyn Commands> = Arc::new(tickets.commander());
+        let ports = CommandServer::start(Arc::clone(&commands), self.waker.clone())?;
         let mut links = Links::new(Arc::clone(&self.schedules));
         links.hear(ports.clone());
         if let Some(path) = self.control {
@@ -265,7 +277,8 @@ impl Builder {
             links.add(link.map_err(|error| NotOnboard::Control(path, error))?);
         }
         // What an earlier manager left is ended here, before anything starts.
-        let bodies = RealBodies::new(self.settings, self.waker.clone(), Box::new(ports))?;
+        let around = Surroundings { ports: Box::new(ports), commands, functions: self.functions };
+        let bodies = RealBodies::new(self.settings, self.waker.clone(), around)?;
         let outside = outside(links, &tickets, &self.waker)?;
         let ports = (bodies, tickets, self.kept, outside);
         let clock = HostClock::start();
