@@ -113,16 +113,21 @@ fn compare(foretold: &Told, real: &Told) -> Compared {
     let mut was_late = false;
     for (place, (at, note)) in foretold.iter().enumerate() {
         let Some((real_at, real_note)) = real.get(place) else { break };
+        was_late |= late(real_at, at);
         if real_note != note {
             return if was_late { Compared::Late } else { Compared::Differ(place) };
         }
-        was_late |= late(real_at, at);
     }
     match real.len() >= foretold.len() {
         true => Compared::Equal,
         false if was_late => Compared::Late,
         false => Compared::Differ(real.len()),
     }
+}
+
+fn lines(told: &Told) -> String {
+    let line = |(at, note): &(Instant, Note)| format!("{:>8} {note}\n", at.as_micros() / 1_000);
+    told.iter().map(line).collect()
 }
 
 fn half(duration: Duration) -> Duration {
@@ -157,10 +162,10 @@ fn what_is_foretold_happens_event_for_event() {
             Compared::Late if attempt < TRIES => waiting.push_back((number, attempt + 1)),
             Compared::Late => never_in_time += 1,
             Compared::Differ(place) => panic!(
-                "schedule {number} differs at event {place}:\n{:#?}\nforetold {:#?}\nreal {:#?}",
+                "schedule {number} differs at event {place}:\n{:?}\nforetold\n{}real\n{}",
                 all[number],
-                happened(&foretold[number], UNTIL),
-                happened(&real, UNTIL),
+                lines(&foretold[number]),
+                lines(&real),
             ),
         }
     }

@@ -81,8 +81,10 @@ impl Tickets {
     /// they came first, and are as important. They stand behind now.
     pub(super) fn take_victims(&mut self, occurrence: Occurrence, victims: &[Occurrence]) {
         for victim in victims {
-            if let Some(entry) = self.entries.get_mut(victim) {
-                entry.taker = Some(occurrence.task.to_string());
+            let entry = self.entries.get_mut(victim);
+            // Requests come in the order of importance: the first one takes.
+            if let Some(entry) = entry.filter(|entry| matches!(entry.told, Told::Granted(_))) {
+                entry.taker.get_or_insert_with(|| occurrence.task.to_string());
             }
         }
         // The least important is the last to be named.
