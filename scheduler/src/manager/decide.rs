@@ -10,6 +10,7 @@ impl Step<'_> {
             self.ring_timers();
             self.bury();
             self.manager.classes.advance(self.now);
+            self.renew_stale();
             self.walk();
             self.stand_back();
             if !self.start_granted() {

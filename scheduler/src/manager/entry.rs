@@ -73,8 +73,8 @@ pub(crate) struct Run {
     pub(crate) taker: Option<Occurrence>,
     /// What the last decision said: it runs, or why not.
     pub(crate) chosen: Result<(), WaitsFor>,
-    /// It was told to let its present occurrence go on when it was started.
-    pub(crate) timely: bool,
+    /// Its request at the agents has another priority than the task by now.
+    pub(crate) stale: bool,
 }
 
 /// What the body of a live occurrence does.
@@ -133,7 +133,7 @@ impl Run {
             short: false,
             taker: None,
             chosen: Ok(()),
-            timely: false,
+            stale: false,
         }
     }
 

@@ -37,6 +37,18 @@ impl Step<'_> {
         }
     }
 
+    /// Who has another priority by now asks again, as soon as it has nothing to
+    /// lose by that.
+    pub(crate) fn renew_stale(&mut self) {
+        for index in self.manager.live.clone() {
+            let Some(run) = self.entry_mut(index).map(|entry| &mut entry.run) else { continue };
+            if run.stale && !run.is_using() {
+                run.stale = false;
+                self.give_back(index);
+            }
+        }
+    }
+
     /// A request that need not wait at the agents any more waits here.
     fn back_to_class(&mut self, index: u32) {
         self.unseat(index);

@@ -1,6 +1,6 @@
 //! What the manager is told to do.
 
-use crate::manager::entry::{Place, Stage};
+use crate::manager::entry::Place;
 use crate::manager::step::Step;
 use crate::manager::timers::Kind;
 use crate::manager::{Action, Note, Record, Reply, Telecommand, TelecommandId};
@@ -88,17 +88,14 @@ impl Step<'_> {
     fn set_priority(&mut self, id: TaskId, priority: TaskPriority) -> Result<(), String> {
         let index = self.find(id)?;
         let place = self.entry(index).map(|entry| entry.place);
-        let idle = self.entry(index).is_some_and(|entry| !entry.run.has_body());
-        if place == Some(Place::Class) || idle {
+        let has_body = self.entry(index).is_some_and(|entry| entry.run.has_body());
+        if !has_body {
             self.unseat(index);
-        } else if self.entry(index).is_some_and(|entry| entry.run.stage == Stage::Paused) {
-            // It asks again, at the new priority.
-            self.give_back(index);
         }
-        if let Some(entry) = self.entry_mut(index) {
-            entry.task.priority = priority;
-        }
-        if matches!(place, Some(Place::Class)) || (place == Some(Place::Live) && idle) {
+        let Some(entry) = self.entry_mut(index) else { return Ok(()) };
+        entry.task.priority = priority;
+        entry.run.stale = has_body;
+        if !has_body && place != Some(Place::Away) {
             self.enter(index);
         }
         self.changed(index);
