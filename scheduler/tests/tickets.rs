@@ -8,6 +8,7 @@ mod rig;
 use std::sync::atomic::Ordering::SeqCst;
 use std::time::Instant;
 
+use faregate_scheduler::manager::Event;
 use faregate_scheduler::tickets::{MOST_GATES, SLOTS};
 use faregate_scheduler::time::Duration;
 use faregate_tickets::id::Priority;
@@ -23,6 +24,20 @@ fn who_takes_a_category_is_granted_it_when_the_task_that_had_it_has_stopped() {
     rig.stop(1);
     rig.granted(2);
     rig.nothing_is_told();
+}
+
+#[test]
+fn what_nothing_stands_in_the_way_of_is_granted_in_the_next_turn() {
+    let mut rig = Rig::new(&["camera"]);
+    rig.until("the camera is seen off", |rig| rig.charged() == 0);
+    for number in 1..=30 {
+        let gates = if number == 7 { &["camera"][..] } else { &[] };
+        rig.request(number, &needs(5).using(number).drawing(1).commanding(gates), &[]);
+        rig.turn();
+        assert_eq!(rig.events, [Event::Granted { occurrence: task(number) }]);
+        rig.events.clear();
+        rig.start(number);
+    }
 }
 
 #[test]
@@ -249,8 +264,8 @@ fn safe_mode_takes_every_task_and_gives_them_back() {
     agents.enter_safe_mode(&rig.supervisor, Priority::FAULT_RESPONSE).unwrap().without_waiting();
     let by = "all tickets were revoked";
     for number in [1, 2] {
-        let safe = |event: &faregate_scheduler::manager::Event| {
-            matches!(event, faregate_scheduler::manager::Event::Taken { occurrence, by: who }
+        let safe = |event: &Event| {
+            matches!(event, Event::Taken { occurrence, by: who }
                 if *occurrence == task(number) && (who == by || who == "safe mode"))
         };
         rig.told_one(safe, "taken by safe mode");

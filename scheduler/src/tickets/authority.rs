@@ -134,8 +134,7 @@ impl Commander {
 
     fn authority(&self, attempt: Attempt) -> Result<Arc<Authority>, CommandRefused> {
         let found = self.0.authorities.read().get(&attempt.occurrence).cloned();
-        let served = found.filter(|authority| authority.attempt() == attempt.number);
-        served.ok_or_else(|| over(attempt))
+        found.ok_or_else(|| over(attempt))
     }
 
     fn refused(&self, authority: &Authority, refusal: Refusal) -> CommandRefused {

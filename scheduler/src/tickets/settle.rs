@@ -45,9 +45,6 @@ impl Tickets {
         let by = entry.taker.take().or(named).unwrap_or_else(|| "somebody, for a moment".into());
         entry.told = Told::Taken(None);
         self.told.push(Event::Taken { occurrence, by });
-        if !entry.runs {
-            self.see_off(occurrence);
-        }
         if why == Some(Refusal::NotValid(Why::Expired)) {
             self.ask_again(occurrence);
         }

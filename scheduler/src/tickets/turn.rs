@@ -38,10 +38,9 @@ impl TicketPort for Tickets {
         {
             book.state = PlaceState::Leaving;
         }
-        let Some(entry) = self.entries.get_mut(&occurrence) else { return };
-        entry.runs = false;
-        if matches!(entry.told, Told::Taken(_)) {
-            self.see_off(occurrence);
+        // Its place is seen off in the turn that follows.
+        if let Some(entry) = self.entries.get_mut(&occurrence) {
+            entry.runs = false;
         }
     }
 
