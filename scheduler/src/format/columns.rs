@@ -24,12 +24,13 @@ pub(crate) enum Column {
     Gap,
     Cutoff,
     Preempt,
+    Gates,
     Args,
 }
 
 impl Column {
     /// All of them, in the order in which they are written.
-    pub(crate) const ALL: [Self; 16] = [
+    pub(crate) const ALL: [Self; 17] = [
         Self::Id,
         Self::Start,
         Self::End,
@@ -45,6 +46,7 @@ impl Column {
         Self::Gap,
         Self::Cutoff,
         Self::Preempt,
+        Self::Gates,
         Self::Args,
     ];
 
@@ -80,6 +82,7 @@ impl Column {
             Self::Gap => "gap",
             Self::Cutoff => "cutoff",
             Self::Preempt => "preempt",
+            Self::Gates => "gates",
             Self::Args => "args",
         }
     }

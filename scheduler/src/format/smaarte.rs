@@ -134,6 +134,7 @@ impl Reading<'_, '_> {
             }),
             Column::Gap => scalar::seconds(text).map(|time| task.gap = time),
             Column::Cutoff => scalar::when(text).map(|when| task.cutoff = when),
+            Column::Gates => gates(text).map(|gates| task.gates = gates),
             Column::Type | Column::Args | Column::Preempt => Ok(()),
         };
         self.report.take(cell.at.clone(), column.name(), done).is_some()
@@ -204,6 +205,20 @@ impl Reading<'_, '_> {
             self.report.error(end..end, "", Wrong::new(Rule::Missing, message).expected(expected));
         }
         missing.is_empty()
+    }
+}
+
+/// Names between semicolons, which need no quotes in either format, or spaces;
+/// `-` where there are none, since a file with spaces has no empty field.
+fn gates(text: &str) -> Result<Vec<String>, Wrong> {
+    if text == "-" {
+        return Ok(Vec::new());
+    }
+    let names = text.split([';', ' ']).filter(|name| !name.is_empty());
+    match names.map(str::to_owned).collect::<Vec<_>>() {
+        none if none.is_empty() => Err(Wrong::new(Rule::Value, "there is no name")
+            .expected("names of gates, as in camera;gimbal, or -")),
+        names => Ok(names),
     }
 }
 

@@ -35,8 +35,14 @@ fn as_a_row(task: &Task) -> Task {
         average_draw: task.peak_draw,
         gap: task.gap,
         preemption: task.preemption,
+        gates: if gates_have_a_column(task) { task.gates.clone() } else { Vec::new() },
         ..usual
     }
+}
+
+fn gates_have_a_column(task: &Task) -> bool {
+    let plain = |one: char| one.is_ascii_graphic() && !";,\"'\\".contains(one);
+    task.gates.iter().all(|gate| gate != "-" && gate.chars().all(plain))
 }
 
 /// Whether a row can hold what the task does, and its one window its cutoff.
@@ -108,7 +114,6 @@ fn what_a_row_cannot_hold_is_listed_field_by_field() {
         "dur_min",
         "average_draw_w",
         "data",
-        "gates",
         "restart",
         "overrun",
         "heartbeat",

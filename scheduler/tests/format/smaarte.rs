@@ -26,10 +26,12 @@ fn columns_are_found_by_their_names() {
 
 #[test]
 fn optional_columns_may_be_there_and_their_fields_empty() {
-    let text = "id,st,et,dur,con,pri,type,interval,memory,storage,power,draw_w,gap,cutoff,preempt,args\n\
-                1,0,0,1,1,1,0,0,1024,2048,0,4.5,2,+9,kill:2.5,true\n\
-                2,0,0,1,all,1,0,0,,,,,,,,true\n";
-    let tasks = good("a.csv", text).tasks;
+    let text = "id,st,et,dur,con,pri,type,interval,memory,storage,power,draw_w,gap,cutoff,preempt,gates,args\n\
+                1,0,0,1,1,1,0,0,1024,2048,0,4.5,2,+9,kill:2.5,camera;gimbal,true\n\
+                2,0,0,1,all,1,0,0,,,,,,,,,true\n";
+    let options = Options { against: format::Against::Nothing, ..Options::default() };
+    let tasks = format::read_with(options, "a.csv", text.as_bytes()).unwrap().tasks;
+    assert_eq!(tasks[0].gates, ["camera", "gimbal"]);
     assert_eq!((tasks[0].memory, tasks[0].storage), (1_024, 2_048));
     assert_eq!(tasks[0].peak_draw, Milliwatts::new(4_500));
     assert_eq!(tasks[0].preemption, Preemption::Kill { grace: Duration::from_millis(2_500) });

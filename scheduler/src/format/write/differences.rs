@@ -46,6 +46,7 @@ pub(crate) fn why(kind: Kind, field: &str) -> String {
         (Kind::Toml, _) => "the native format cannot say this value".to_owned(),
         (_, "window") => "one window alone has columns: the first was written".to_owned(),
         (_, "st" | "cutoff") => "a time before 1970 has no number: 0 was written".to_owned(),
+        (_, "gates") => "a name has a separator or a quote in it".to_owned(),
         _ => "there is no column for it".to_owned(),
     }
 }

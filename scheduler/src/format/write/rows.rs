@@ -69,6 +69,7 @@ fn is_stated(column: Column, task: &Task) -> bool {
         Column::Gap => !task.gap.is_zero(),
         Column::Cutoff => task.cutoff != crate::task::When::Unrestricted,
         Column::Preempt => task.preemption != policy::usual(&task.body),
+        Column::Gates => gates(task).is_some(),
         _ => true,
     }
 }
@@ -92,8 +93,17 @@ fn field(column: Column, task: &Task) -> String {
         Column::Gap => text::seconds(task.gap),
         Column::Cutoff => text::when(task.cutoff),
         Column::Preempt => policy::column(task.preemption, text::seconds),
+        Column::Gates => gates(task).unwrap_or_else(|| "-".to_owned()),
         Column::Args => {
             body::to_type(&task.body).and_then(|(_, words)| body::line(&words)).unwrap_or_default()
         }
     }
+}
+
+/// The names of its gates, if there are any and each can stand in a row.
+fn gates(task: &Task) -> Option<String> {
+    let plain = |byte: u8| byte.is_ascii_graphic() && !b";,\"'\\".contains(&byte);
+    let stands = |name: &String| !name.is_empty() && name != "-" && name.bytes().all(plain);
+    let all = !task.gates.is_empty() && task.gates.iter().all(stands);
+    all.then(|| task.gates.join(";"))
 }
