@@ -59,7 +59,7 @@ fn what_a_killed_manager_leaves_is_ended_by_the_next() {
         let tree = until("the task's two sleepers are there", || {
             let found: BTreeSet<i32> =
                 marked(&mark).into_iter().filter(|pid| *pid != own).collect();
-            let sleepers = found.iter().filter(|pid| command(**pid) == "sleep\0600\0").count();
+            let sleepers = found.iter().filter(|pid| command(**pid) == "sleep 600").count();
             (sleepers == 2 && found.len() == 3).then_some(found)
         });
         let used = sweep(state.path()).unwrap_err();

@@ -44,10 +44,10 @@ pub(crate) fn marked(word: &str) -> BTreeSet<i32> {
     .collect()
 }
 
-/// What the process was executed as, with a zero after each word.
+/// What the process was executed as.
 pub(crate) fn command(pid: i32) -> String {
     let words = fs::read(format!("/proc/{pid}/cmdline")).unwrap_or_default();
-    String::from_utf8_lossy(&words).into_owned()
+    String::from_utf8_lossy(&words).trim_end_matches('\0').replace('\0', " ")
 }
 
 /// Processor time that these have used together.

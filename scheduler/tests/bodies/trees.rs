@@ -68,10 +68,8 @@ fn a_daemon_of_a_task_is_paused_and_killed_with_it() {
         let me = i32::try_from(std::process::id()).unwrap();
         let main = bench.bodies.pid(attempt).unwrap();
         let daemon = until("the daemon is ours", || {
-            let found = marked(&word).into_iter().filter_map(seen);
-            found
-                .filter(|seen| seen.parent == me && ![main, seen.pid].contains(&seen.session))
-                .next()
+            let mut found = marked(&word).into_iter().filter_map(seen);
+            found.find(|seen| seen.parent == me && ![main, seen.pid].contains(&seen.session))
         });
         let daemon = BTreeSet::from([daemon.pid]);
         use_time(&daemon);
