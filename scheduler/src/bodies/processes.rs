@@ -16,7 +16,7 @@ use crate::bodies::launch::{Order, Prepared};
 use crate::bodies::output::{Output, Scribe};
 use crate::bodies::process::{Became, Process};
 use crate::bodies::settings::{Moment, Settings};
-use crate::bodies::sweep::Run;
+use crate::bodies::sweep::{Run, Swept};
 use crate::executive::{PortFactory, PortNotice};
 use crate::manager::{Attempt, Event, Stop};
 use crate::time::{Duration, Instant};
@@ -59,6 +59,10 @@ impl Processes {
 
     pub(super) fn groups(&self) -> Result<&Path, &str> {
         self.run.groups.as_ref().map(Groups::path).map_err(String::as_str)
+    }
+
+    pub(super) fn swept(&self) -> &[Swept] {
+        &self.run.swept
     }
 
     /// # Errors

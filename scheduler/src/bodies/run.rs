@@ -12,7 +12,7 @@ use crate::bodies::output::Output;
 use crate::bodies::processes::Processes;
 use crate::bodies::sequences::Sequences;
 use crate::bodies::settings::{Settings, Surroundings};
-use crate::bodies::sweep::Run;
+use crate::bodies::sweep::{Run, Swept};
 use crate::bodies::workers::{Report, Workers};
 use crate::executive::{Bodies, StartBody, Waker, Watched};
 use crate::manager::{Attempt, Event, Exit, Stop, StopWhy};
@@ -38,12 +38,16 @@ pub struct RealBodies {
 impl RealBodies {
     /// Bodies that ring this bell.
     ///
+    /// If the settings say where runs are written down, what the last one has
+    /// left behind is killed first; see [`RealBodies::swept`].
+    ///
     /// Makes this program the one that adopts orphans among its descendants
     /// (`PR_SET_CHILD_SUBREAPER`), and listens to SIGCHLD beside whoever else
     /// does.
     ///
     /// # Errors
-    /// When the host has no descriptor or thread left.
+    /// When the host has no descriptor or thread left, and as
+    /// [`sweep`](crate::bodies::sweep).
     pub fn new(settings: Settings, waker: Waker, around: Surroundings) -> io::Result<Self> {
         let Surroundings { ports, commands, functions } = around;
         let run = Run::begin(&settings)?;
@@ -57,6 +61,13 @@ impl RealBodies {
             outputs: Outputs::new(settings.outputs_kept),
             processes: Processes::new(settings, run, ports)?,
         })
+    }
+
+    /// What the last manager with this state had left, and what was killed when
+    /// these bodies were made.
+    #[must_use]
+    pub fn swept(&self) -> &[Swept] {
+        self.processes.swept()
     }
 
     /// The control group that the processes' own are made in, or why there is

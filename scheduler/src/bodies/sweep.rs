@@ -46,23 +46,24 @@ pub(super) struct Run {
     id: String,
     state: Option<PathBuf>,
     pub(super) groups: Result<Groups, String>,
+    pub(super) swept: Vec<Swept>,
 }
 
 impl Run {
-    /// A run that no other one is confused with, written down if the settings
-    /// say where.
+    /// A run that no other one is confused with. If the settings say where runs
+    /// are written down, the last one is swept before this one is.
     ///
     /// # Errors
-    /// The file's, one of a run that was not swept included; and when the host
-    /// shows no processes.
+    /// As [`sweep`], and when the host shows no processes.
     pub(super) fn begin(settings: &Settings) -> io::Result<Self> {
+        let swept = settings.state.as_deref().map(sweep).transpose()?.unwrap_or_default();
         let id = fs::read_to_string("/proc/sys/kernel/random/uuid")?.trim().to_owned();
         let groups = if settings.control_groups {
             Groups::make(&id)
         } else {
             Err("they are not to be used".to_owned())
         };
-        let run = Self { id, state: settings.state.clone(), groups };
+        let run = Self { id, state: settings.state.clone(), groups, swept };
         if let Some(state) = &run.state {
             run.write(state)?;
         }
@@ -93,10 +94,6 @@ impl Run {
             manager_start: me.start,
             control_group: self.groups.as_ref().ok().map(|groups| groups.path().to_owned()),
         };
-        if state.join(FILE).exists() {
-            let why = format!("{}: sweep what the last run has left", state.join(FILE).display());
-            return Err(io::Error::new(ErrorKind::AlreadyExists, why));
-        }
         let beside = state.join(format!("{FILE}.new"));
         fs::create_dir_all(state)?;
         fs::write(&beside, serde_json::to_vec(&written)?)?;
@@ -115,9 +112,9 @@ pub struct Swept {
     pub command: String,
 }
 
-/// Ends what the last manager that kept its state here has left behind. To be
-/// called before anything is started, [`RealBodies`](crate::bodies::RealBodies)
-/// included. Answers what was killed.
+/// Ends what the last manager that kept its state here has left behind, and
+/// answers what was killed. [`RealBodies`](crate::bodies::RealBodies) does it
+/// when it is made, before anything can be started.
 ///
 /// # Errors
 /// That manager is still there; the file cannot be read; or something does not

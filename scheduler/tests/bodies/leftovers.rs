@@ -6,7 +6,7 @@ use std::io::{BufRead, BufReader, ErrorKind};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
-use faregate_scheduler::bodies::{RealBodies, Settings, Surroundings, sweep};
+use faregate_scheduler::bodies::{RealBodies, Settings, Surroundings, Swept, sweep};
 use faregate_scheduler::executive::Waker;
 
 use super::bench::{Bench, shell};
@@ -71,15 +71,15 @@ fn what_a_killed_manager_leaves_is_ended_by_the_next() {
         until("the main process dies with its manager", || (!lives(main)).then_some(()));
         let left: BTreeSet<i32> = tree.iter().copied().filter(|pid| lives(*pid)).collect();
         assert_eq!(left.len(), 2, "the control is lost: nothing was left");
-        let unswept = Settings { state: Some(state.path().into()), ..Settings::default() };
-        let refused =
-            RealBodies::new(unswept, Waker::new().unwrap(), Surroundings::default()).unwrap_err();
-        assert_eq!(refused.kind(), ErrorKind::AlreadyExists);
 
-        let swept = sweep(state.path()).unwrap();
+        let next = Settings { state: Some(state.path().into()), ..Settings::default() };
+        let bodies = RealBodies::new(next, Waker::new().unwrap(), Surroundings::default()).unwrap();
         assert!(left.iter().all(|pid| !lives(*pid)));
-        assert_eq!(swept.iter().map(|swept| swept.pid).collect::<BTreeSet<_>>(), left);
-        assert!(swept.iter().all(|s| s.task == Some(1) && s.command == "sleep 600"), "{swept:?}");
+        let swept: BTreeSet<_> = bodies.swept().iter().map(|swept| swept.pid).collect();
+        assert_eq!(swept, left);
+        let as_said = |s: &Swept| s.task == Some(1) && s.command == "sleep 600";
+        assert!(bodies.swept().iter().all(as_said), "{:?}", bodies.swept());
+        drop(bodies);
         assert_eq!(sweep(state.path()).unwrap(), []);
     }
 }
