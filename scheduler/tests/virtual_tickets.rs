@@ -74,6 +74,20 @@ fn victims_are_granted_again_in_their_order_without_asking() {
     assert_eq!(desk.hears(), ["task 1 granted"]);
 }
 
+/// The schedule's order is finer than priorities: a victim can be of the same.
+#[test]
+fn a_victim_of_the_same_priority_stands_behind_its_taker() {
+    let mut desk = Desk::default();
+    desk.request(1, &needs(1, 5, "a"), &[]);
+    desk.hears();
+    desk.request(2, &needs(1, 5, "b"), &[1]);
+    desk.hears();
+    desk.0.stopped(occurrence(1), Now::default());
+    assert_eq!(desk.hears(), ["task 2 granted"]);
+    desk.0.relinquish(occurrence(2), Now::default());
+    assert_eq!(desk.hears(), ["task 1 granted"]);
+}
+
 #[test]
 fn one_gate_has_one_tenant() {
     let mut desk = Desk::default();

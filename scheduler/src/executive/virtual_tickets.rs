@@ -28,6 +28,9 @@ struct Request {
     needs: Needs,
     arrival: u64,
     state: State,
+    /// It has taken from others, and was not granted since: what it needs is
+    /// owed to it, and goes to nobody else.
+    is_owed: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,12 +43,21 @@ enum State {
 }
 
 impl VirtualTickets {
-    fn take(&mut self, victim: Occurrence, by: &str) {
-        let Some(request) = self.requests.get_mut(&victim) else { return };
-        if request.state == State::Granted {
-            request.state = State::Stopping;
-            self.events.push(Event::Taken { occurrence: victim, by: by.to_owned() });
-        }
+    fn arrives(&mut self) -> u64 {
+        let arrival = self.arrivals;
+        self.arrivals = self.arrivals.saturating_add(1);
+        arrival
+    }
+
+    /// Takes what was granted; answers whether it was.
+    fn take(&mut self, victim: Occurrence, by: &str) -> bool {
+        let granted = self.requests.get_mut(&victim);
+        let Some(request) = granted.filter(|request| request.state == State::Granted) else {
+            return false;
+        };
+        request.state = State::Stopping;
+        self.events.push(Event::Taken { occurrence: victim, by: by.to_owned() });
+        true
     }
 
     /// Grants what can be granted, most important first.
@@ -59,9 +71,13 @@ impl VirtualTickets {
         }
         for occurrence in self.waiting() {
             let Some(request) = self.requests.get_mut(&occurrence) else { continue };
-            if used.is_free_for(&request.needs) {
+            let is_free = used.is_free_for(&request.needs);
+            if is_free || request.is_owed {
                 used.add(&request.needs);
+            }
+            if is_free {
                 request.state = State::Granted;
+                request.is_owed = false;
                 self.events.push(Event::Granted { occurrence });
             }
         }
@@ -100,14 +116,23 @@ impl Used {
 }
 
 impl TicketPort for VirtualTickets {
+    /// A victim of the same priority stands behind its taker from now on: the
+    /// schedule's order is finer than the agents'.
     fn request(&mut self, occurrence: Occurrence, needs: &Needs, victims: &[Occurrence], _: Now) {
+        let arrival = self.arrives();
+        let mut is_owed = false;
         for victim in victims {
-            self.take(*victim, &occurrence.task.to_string());
+            is_owed |= self.take(*victim, &occurrence.task.to_string());
+            let later = self.arrives();
+            if let Some(victim) = self.requests.get_mut(victim)
+                && victim.needs.priority == needs.priority
+            {
+                victim.arrival = later;
+            }
         }
-        let arrival = self.arrivals;
-        self.arrivals = self.arrivals.saturating_add(1);
-        let request = Request { needs: needs.clone(), arrival, state: State::Waiting };
-        self.requests.entry(occurrence).or_insert(request);
+        let fresh = || Request { needs: needs.clone(), arrival, state: State::Waiting, is_owed };
+        let request = self.requests.entry(occurrence).or_insert_with(fresh);
+        request.is_owed |= is_owed;
     }
 
     fn stopped(&mut self, occurrence: Occurrence, _: Now) {
