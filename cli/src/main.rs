@@ -13,6 +13,7 @@ mod analyze;
 mod args;
 mod changes;
 mod check;
+mod convert;
 mod exit;
 mod inside;
 mod live;
@@ -60,7 +61,7 @@ fn run(what: &What) -> Result<Exit, Failure> {
         What::Check(args) => check::check(args),
         What::Analyze(args) => analyze::analyze(args),
         What::Run(args) => run::run(args),
-        What::Convert(_) => Err(Failure::failed("not yet")),
+        What::Convert(args) => convert::convert(args),
     }
 }
 

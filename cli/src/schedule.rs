@@ -66,7 +66,7 @@ impl Source {
     }
 
     /// The mission in it, if it has one that can be read.
-    fn mission(&self) -> Option<Mission> {
+    pub(crate) fn mission(&self) -> Option<Mission> {
         (Kind::of(&self.name) == Some(Kind::Toml)).then_some(())?;
         format::read(&self.name, &self.bytes).ok()?.mission
     }

@@ -22,11 +22,12 @@ export PATH
 
 upload() {
     cd upload
-    local directory
     directory=$(mktemp -d)
     export FAREGATE_SOCKET=$directory/faregate.sock
     faregate run mission.toml --socket "$FAREGATE_SOCKET" --for 10 &
-    local manager=$!
+    manager=$!
+    # Whatever goes wrong, no manager is left behind.
+    trap 'kill "$manager" 2>/dev/null || true; rm -rf "$directory"' EXIT
     for _ in $(seq 100); do
         [[ -S $FAREGATE_SOCKET ]] && break
         sleep 0.05
@@ -34,14 +35,13 @@ upload() {
     faregate add upload.csv
     faregate status
     wait "$manager"
-    rm -r "$directory"
 }
 
 stp_h6() {
     cd stp_h6
     faregate check schedule.csv
-    faregate run --virtual --for 4200 schedule.csv
-    faregate analyze schedule.csv --horizon 4200 --at 0
+    faregate run --virtual --for 1600 schedule.csv
+    faregate analyze schedule.csv --horizon 1600 --at 0
 }
 
 stp_h7() {

@@ -1,5 +1,6 @@
 //! A run in real time: processes, tickets of a broker, simulated devices.
 
+use std::fs;
 use std::io;
 use std::sync::Arc;
 
@@ -30,6 +31,10 @@ pub(crate) fn run(args: &RunArgs, schedule: Schedule, teller: Teller) -> Result<
     }
     builder = builder.reading(Arc::new(move |name: &str, text: &str| read(&loader, name, text)));
     if let Some(directory) = &args.journal {
+        fs::create_dir_all(directory).map_err(|error| {
+            let path = directory.display();
+            Failure::failed(format!("the journal cannot be kept in {path}: {error}"))
+        })?;
         builder = builder.journal(directory)?;
     }
     if let Some(path) = &args.socket {

@@ -7,7 +7,7 @@ use std::process::{Command, Output, Stdio};
 
 /// The program, with nothing of the host's environment that would change what
 /// it says.
-pub fn faregate() -> Command {
+pub(crate) fn faregate() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_faregate"));
     command.env_remove("FAREGATE_SOCKET").env_remove("FAREGATE_PORT").env("XDG_RUNTIME_DIR", "");
     command.stdin(Stdio::null());
@@ -16,10 +16,10 @@ pub fn faregate() -> Command {
 
 /// What came of a call.
 #[derive(Debug)]
-pub struct Said {
-    pub code: i32,
-    pub out: String,
-    pub err: String,
+pub(crate) struct Said {
+    pub(crate) code: i32,
+    pub(crate) out: String,
+    pub(crate) err: String,
 }
 
 impl From<Output> for Said {
@@ -32,23 +32,23 @@ impl From<Output> for Said {
 
 impl Said {
     /// The document on standard output.
-    pub fn json(&self) -> serde_json::Value {
+    pub(crate) fn json(&self) -> serde_json::Value {
         serde_json::from_str(&self.out).unwrap_or_else(|error| panic!("{error} in: {self:?}"))
     }
 
     /// The documents on standard output, one on each line.
-    pub fn json_lines(&self) -> Vec<serde_json::Value> {
+    pub(crate) fn json_lines(&self) -> Vec<serde_json::Value> {
         self.out.lines().map(|line| serde_json::from_str(line).expect("a document")).collect()
     }
 }
 
 /// Calls the program with these arguments.
-pub fn call<A: AsRef<OsStr>>(arguments: &[A]) -> Said {
+pub(crate) fn call<A: AsRef<OsStr>>(arguments: &[A]) -> Said {
     faregate().args(arguments).output().expect("the program starts").into()
 }
 
 /// The same with one of SMAARTE's cases in the place of `{}`.
-pub fn call_on(case: &str, arguments: &[&str]) -> Said {
+pub(crate) fn call_on(case: &str, arguments: &[&str]) -> Said {
     let path = case_file(case);
     let arguments: Vec<&OsStr> = arguments
         .iter()
@@ -58,30 +58,30 @@ pub fn call_on(case: &str, arguments: &[&str]) -> Said {
 }
 
 /// A file with a known result.
-pub fn case_file(name: &str) -> PathBuf {
+pub(crate) fn case_file(name: &str) -> PathBuf {
     root().join("scheduler/tests/cases").join(name)
 }
 
 /// The project.
-pub fn root() -> &'static Path {
+pub(crate) fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the crate is in the project")
 }
 
 /// A file that goes away.
-pub struct Scratch {
+pub(crate) struct Scratch {
     directory: tempfile::TempDir,
 }
 
 impl Scratch {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self { directory: tempfile::tempdir().expect("a directory") }
     }
 
-    pub fn path(&self, name: &str) -> PathBuf {
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.directory.path().join(name)
     }
 
-    pub fn file(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
+    pub(crate) fn file(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
         let path = self.path(name);
         let mut file = std::fs::File::create(&path).expect("a file");
         file.write_all(content.as_ref()).expect("it is written");

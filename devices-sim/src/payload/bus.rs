@@ -8,7 +8,7 @@ use super::spec::UnitSpec;
 use super::unit::{Unit, UnitCommand};
 use crate::battery::Battery;
 use crate::law::Law;
-use crate::parameters::Parameters;
+use crate::parameters::{COMMAND_TIME_MAX, Parameters};
 use crate::power::Supply;
 use crate::random::Dice;
 use crate::sensors::{History, Measured, Sensor};
@@ -199,7 +199,7 @@ impl Bus {
         command: UnitCommand,
         safing: bool,
     ) -> (usize, Duration) {
-        let longest = command.wcet.as_micros();
+        let longest = COMMAND_TIME_MAX.as_micros();
         let time = longest / 4 + self.dice.below(longest - longest / 4 + 1);
         let outcome = Outcome::InProgress;
         let received =

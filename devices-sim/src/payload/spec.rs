@@ -10,7 +10,6 @@ use faregate_tickets::device::{Effect, Profile};
 use super::settings::{Settings, thousandths};
 use super::unit::{Action, CommandHelp, Unit, UnitCommand};
 use super::{camera, computer, gimbal, heater, processor, transmitter};
-use crate::parameters::COMMAND_TIME_MAX;
 
 /// The kinds of units there are.
 pub const KINDS: [&str; 6] = ["camera", "computer", "gimbal", "heater", "processor", "transmitter"];
@@ -19,9 +18,11 @@ pub const KINDS: [&str; 6] = ["camera", "computer", "gimbal", "heater", "process
 const SENSOR_PERIOD: Duration = Duration::from_millis(50);
 /// From the measurement until its estimate arrives.
 const SENSOR_LAG: Duration = Duration::from_millis(100);
-/// How much longer than declared a command may take before its gate counts as
-/// faulted: an ordinary host keeps threads from running that long.
-const OVERRUN_FACTOR: u8 = 250;
+/// What is declared of each command. It takes a hundredth of it on the wire; the
+/// rest is for ordinary hosts, which keep threads from running that long.
+const WCET: Duration = Duration::from_millis(100);
+/// How many times that before a gate counts as faulted.
+const OVERRUN_FACTOR: u8 = 10;
 
 /// A unit of a payload.
 pub struct UnitSpec {
@@ -88,8 +89,8 @@ impl UnitSpec {
     #[must_use]
     pub fn profile(&self) -> Profile {
         let mut profile = Profile::new().drawing(self.draw);
-        profile.longest_command = COMMAND_TIME_MAX;
-        profile.longest_safing = COMMAND_TIME_MAX;
+        profile.longest_command = WCET;
+        profile.longest_safing = WCET;
         profile.estimate_lag = self.sensor_lag.saturating_add(self.sensor_period.saturating_mul(2));
         profile.overrun_factor = OVERRUN_FACTOR;
         profile
@@ -113,7 +114,7 @@ impl UnitSpec {
         let expected =
             || format!("`{}` is no {}", arguments.join(" "), help.argument.unwrap_or(""));
         let action = action.ok_or_else(expected)?;
-        Ok(UnitCommand { action, wcet: COMMAND_TIME_MAX, effect: self.effect(action) })
+        Ok(UnitCommand { action, wcet: WCET, effect: self.effect(action) })
     }
 
     fn effect(&self, action: Action) -> Effect {
@@ -126,7 +127,7 @@ impl UnitSpec {
 
     /// The command that frees its draw.
     pub(crate) fn safing(&self) -> UnitCommand {
-        UnitCommand { action: Action::Off, wcet: COMMAND_TIME_MAX, effect: Effect::Off }
+        UnitCommand { action: Action::Off, wcet: WCET, effect: Effect::Off }
     }
 
     pub(crate) fn make(&self) -> Box<dyn Unit> {
