@@ -34,7 +34,7 @@ mod telecommand;
 mod tickets;
 mod timers;
 mod times;
-mod treap;
+mod tree;
 mod untold;
 mod walk;
 mod words;

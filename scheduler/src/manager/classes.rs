@@ -7,7 +7,7 @@ use std::sync::Arc;
 use crate::manager::demand::Demand;
 use crate::manager::point::{Clock, Micros, Point, Present};
 use crate::manager::rank::Rank;
-use crate::manager::treap::{Arena, Item, Tree};
+use crate::manager::tree::{Item, Looks, Tree};
 
 /// A class, by its index.
 pub(crate) type ClassId = u32;
@@ -34,7 +34,8 @@ struct Class {
 /// All occurrences that have not been asked for at the agents, due or not.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Classes {
-    arena: Arena,
+    /// How many blocks of trees were looked at.
+    looks: Looks,
     classes: Vec<Class>,
     free: Vec<ClassId>,
     by_demand: HashMap<Arc<Demand>, ClassId>,
@@ -62,7 +63,7 @@ impl Classes {
             return id;
         }
         let demand = Arc::new(demand);
-        let trees = [Tree::default(); 2];
+        let trees = Default::default();
         let class = Class { demand: demand.clone(), trees, head: None, wakes: [None; 2], users: 1 };
         let id = self.place(class);
         self.by_demand.insert(demand, id);
@@ -97,21 +98,20 @@ impl Classes {
 
     /// An occurrence waits from now on, for its time or for what it needs.
     pub(crate) fn insert(&mut self, id: ClassId, due: Point, rank: Rank, task: u32) {
-        let Some(mut tree) = self.tree(id, due.clock) else { return };
-        self.arena.insert(&mut tree, Item { at: due.at, rank, task });
-        self.set_tree(id, due.clock, tree);
+        let mut looks = self.looks;
+        if let Some(tree) = self.tree(id, due.clock) {
+            tree.insert(Item { at: due.at, rank, task }, &mut looks);
+        }
+        self.looks = looks;
+        self.refresh(id);
     }
 
     pub(crate) fn remove(&mut self, id: ClassId, due: Point, rank: Rank, task: u32) {
-        let Some(mut tree) = self.tree(id, due.clock) else { return };
-        self.arena.remove(&mut tree, &Item { at: due.at, rank, task });
-        self.set_tree(id, due.clock, tree);
-    }
-
-    fn set_tree(&mut self, id: ClassId, clock: Clock, tree: Tree) {
-        if let Some(place) = self.class_mut(id).and_then(|class| class.trees.get_mut(side(clock))) {
-            *place = tree;
+        let mut looks = self.looks;
+        if let Some(tree) = self.tree(id, due.clock) {
+            tree.remove(&Item { at: due.at, rank, task }, &mut looks);
         }
+        self.looks = looks;
         self.refresh(id);
     }
 
@@ -138,14 +138,15 @@ impl Classes {
     /// Looks again for the head of a class and for the time that another one
     /// is due.
     fn refresh(&mut self, id: ClassId) {
+        let (seen, mut looks) = (self.seen, self.looks);
         let Some(class) = self.class(id) else { return };
-        let (trees, seen) = (class.trees, self.seen);
-        let [elapsed, wall] = trees;
+        let [elapsed, wall] = &class.trees;
         let heads =
-            [self.arena.best_by(elapsed, seen.elapsed), self.arena.best_by(wall, seen.wall)];
+            [elapsed.best_by(seen.elapsed, &mut looks), wall.best_by(seen.wall, &mut looks)];
         let head = heads.into_iter().flatten().min();
         let wakes =
-            [self.arena.next_after(elapsed, seen.elapsed), self.arena.next_after(wall, seen.wall)];
+            [elapsed.next_after(seen.elapsed, &mut looks), wall.next_after(seen.wall, &mut looks)];
+        self.looks = looks;
         self.set_head(id, head);
         for (index, at) in wakes.into_iter().enumerate() {
             self.set_wake(id, index, at);
@@ -195,9 +196,9 @@ impl Classes {
         self.class(id)?.head.map(|(_, task)| task)
     }
 
-    /// How many nodes of trees were looked at.
-    pub(crate) const fn visits(&self) -> u64 {
-        self.arena.visits
+    /// How many blocks of trees were looked at.
+    pub(crate) const fn looks(&self) -> Looks {
+        self.looks
     }
 
     /// When something becomes due by this clock.
@@ -215,16 +216,16 @@ impl Classes {
         for (_, id) in wakes.take_while(|(due, _)| *due == at) {
             let Some(class) = self.class(*id) else { continue };
             let excludes_itself = class.demand.categories != 0 || class.demand.gates != 0;
-            let most = if excludes_itself { 1 } else { most.saturating_sub(group.len()) };
+            let most = if excludes_itself { group.len().saturating_add(1) } else { most };
             let Some(tree) = class.trees.get(side(clock)) else { continue };
-            group.extend(self.arena.due_at(*tree, at, most));
+            tree.due_at(at, most, &mut group);
         }
         group.truncate(most);
         group
     }
 
-    fn tree(&self, id: ClassId, clock: Clock) -> Option<Tree> {
-        self.class(id)?.trees.get(side(clock)).copied()
+    fn tree(&mut self, id: ClassId, clock: Clock) -> Option<&mut Tree> {
+        self.class_mut(id)?.trees.get_mut(side(clock))
     }
 
     fn class(&self, id: ClassId) -> Option<&Class> {

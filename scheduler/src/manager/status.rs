@@ -115,11 +115,11 @@ impl Manager {
         })
     }
 
-    /// How many occurrences, and nodes of the trees that they are kept in, were
+    /// How many occurrences, and blocks of the trees that they are kept in, were
     /// looked at so far: what decisions cost, on any machine.
     #[must_use]
     pub const fn looked_at(&self) -> u64 {
-        self.looks.wrapping_add(self.classes.visits())
+        self.looks.wrapping_add(self.classes.looks())
     }
 
     /// Whether no task lives or will become due: a schedule without routine

@@ -1,6 +1,6 @@
 //! What the manager is told to do.
 
-use crate::manager::entry::Place;
+use crate::manager::entry::{Asked, Place};
 use crate::manager::step::Step;
 use crate::manager::timers::Kind;
 use crate::manager::{Action, Note, Record, Reply, Telecommand, TelecommandId};
@@ -95,11 +95,22 @@ impl Step<'_> {
         let Some(entry) = self.entry_mut(index) else { return Ok(()) };
         entry.task.priority = priority;
         entry.run.stale = has_body;
-        if !has_body && place != Some(Place::Away) {
+        if has_body {
+            self.unblock();
+        } else if place != Some(Place::Away) {
             self.enter(index);
         }
         self.changed(index);
         Ok(())
+    }
+
+    /// The agents do not hear of the new priority of tickets that are held. So
+    /// whoever waits there asks anew, and names its victims.
+    fn unblock(&mut self) {
+        for index in self.manager.live.clone() {
+            let Some(entry) = self.entry_mut(index) else { continue };
+            entry.run.stale |= matches!(entry.run.asked, Asked::Blocked(_));
+        }
     }
 
     /// The arrival of an occurrence that was due already stays.

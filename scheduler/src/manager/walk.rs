@@ -89,9 +89,7 @@ impl Step<'_> {
                 walk.ledger.take(&demand, Part::All);
                 walk.holders.push((id, demand));
                 walk.slots += 1;
-                if let Some(entry) = self.entry_mut(index) {
-                    entry.run.chosen = Ok(());
-                }
+                self.choose(index, Ok(()));
             } else if entry.keeps_memory() {
                 walk.ledger.reserve(&demand);
             }
@@ -129,10 +127,12 @@ impl Step<'_> {
         let idle = entry.run.stage == Stage::Idle;
         let granted = entry.run.asked == Asked::Granted;
         let id = entry.task.id;
-        if matches!(entry.run.asked, Asked::Blocked(_)) {
-            return walk.leave_to_the_agents(id, demand);
-        }
         let objection = self.objection(entry);
+        if let (Asked::Blocked(why), None) = (&entry.run.asked, &objection) {
+            let why = WaitsFor::Tickets(why.clone());
+            walk.leave_to_the_agents(id, demand);
+            return self.choose(index, Err(why));
+        }
         let held_back = objection.is_some();
         let obstacle = objection
             .or_else(|| if idle { self.cannot_start(walk, &demand) } else { None })
@@ -144,8 +144,12 @@ impl Step<'_> {
         } else if !held_back {
             walk.waiting.push((id, demand));
         }
+        self.choose(index, obstacle.map_or(Ok(()), Err));
+    }
+
+    fn choose(&mut self, index: u32, chosen: Result<(), WaitsFor>) {
         if let Some(entry) = self.entry_mut(index) {
-            entry.run.chosen = obstacle.map_or(Ok(()), Err);
+            entry.run.chosen = chosen;
         }
     }
 

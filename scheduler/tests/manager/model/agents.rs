@@ -37,7 +37,9 @@ impl Agents {
         let before = self.requests.insert(occurrence, request);
         assert!(before.is_none(), "{occurrence} was asked for twice");
         for victim in victims {
-            self.take(*victim, &occurrence.task.to_string());
+            if !self.take(*victim, &occurrence.task.to_string()) {
+                continue;
+            }
             // It stands behind its taker from now on.
             self.order += 1;
             let order = self.order;
@@ -47,12 +49,15 @@ impl Agents {
         }
     }
 
-    fn take(&mut self, victim: Occurrence, by: &str) {
-        let Some(request) = self.requests.get_mut(&victim) else { return };
-        if request.state == State::Granted {
+    /// Answers whether there was anything to take.
+    fn take(&mut self, victim: Occurrence, by: &str) -> bool {
+        let Some(request) = self.requests.get_mut(&victim) else { return false };
+        let is_granted = request.state == State::Granted;
+        if is_granted {
             request.state = State::Stopping;
             self.events.push(Event::Taken { occurrence: victim, by: by.to_owned() });
         }
+        is_granted
     }
 
     pub fn stopped(&mut self, occurrence: Occurrence) {

@@ -187,15 +187,15 @@ impl Bench {
     /// Occurrences that are due while another one is at work are lost.
     fn skip(&mut self) {
         for known in &mut self.known {
+            if known.rerun.is_some_and(|number| !known.is_open(number, self.now)) {
+                known.last = known.last.max(known.rerun.take());
+            }
             if known.body.is_some() || known.rerun.is_some() {
                 let due = known.last_due(self.now).unwrap_or(0);
                 let now_running = known.body.as_ref().map(|body| body.number).or(known.rerun);
                 if Some(due) > now_running {
                     known.last = known.last.max(Some(due));
                 }
-            }
-            if known.rerun.is_some_and(|number| !known.is_open(number, self.now)) {
-                known.last = known.last.max(known.rerun.take());
             }
         }
     }
