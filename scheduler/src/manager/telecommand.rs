@@ -53,6 +53,9 @@ impl Step<'_> {
     fn discard(&mut self, index: u32, why: &str) {
         let Some(entry) = self.entry_mut(index) else { return };
         let id = entry.task.id;
+        if entry.place == Place::Over {
+            return self.take_out(index);
+        }
         if entry.run.has_body() {
             entry.removed = true;
             return self.abort(index, why);

@@ -1,6 +1,7 @@
 //! What a decision costs: counted, not timed.
 
 use std::collections::BTreeSet;
+use std::time::Duration;
 
 use faregate_scheduler::Mission;
 use faregate_scheduler::manager::{
@@ -9,7 +10,7 @@ use faregate_scheduler::manager::{
 use faregate_scheduler::task::Task;
 use faregate_scheduler::time::{Instant, Now, UnixTime};
 
-use crate::world::{With, id, seconds, task};
+use crate::world::{With, id, task};
 
 /// A manager whose requests are granted at once.
 struct Busy {
@@ -20,13 +21,14 @@ struct Busy {
     actions: Vec<Action>,
     /// What the last step looked at, and how long all of its decisions took.
     looked_at: u64,
-    took: std::time::Duration,
+    took: Duration,
 }
 
 impl Busy {
-    /// So many tasks: every tenth waits for one category, which the first one
-    /// has; the others become due in groups of a hundredth, one group each
-    /// second from the hundredth on, in 16 categories.
+    /// So many tasks. Eight of them have a category each for ever. Every tenth
+    /// waits for the first of these, and every other tenth runs one after the
+    /// other; the rest become due in groups of a hundredth, one group each
+    /// second from the hundredth on, and wait for the other seven.
     fn new(tasks: u32) -> Self {
         let mut busy = Self {
             manager: Manager::new(Mission::default()),
@@ -35,19 +37,20 @@ impl Busy {
             telecommands: 0,
             actions: Vec::new(),
             looked_at: 0,
-            took: std::time::Duration::ZERO,
+            took: Duration::ZERO,
         };
-        let holder = task(u32::MAX, 1e6).categories(1).priority(200);
+        let holders = (0..8).map(|n| task(u32::MAX - n, 1e6).categories(1 << n).priority(200));
         let group = (tasks / 100).max(1);
-        let all = (1..tasks).map(|n| {
-            if n % 10 == 0 {
-                return task(n, 10.0).categories(1).priority((n % 100) as u8);
+        let rest = (1..tasks).map(|n| {
+            let priority = u8::try_from(n % 97).unwrap();
+            let task = task(n, 10.0).priority(priority);
+            match n % 10 {
+                0 => task.categories(1),
+                1 => task.categories(RUNNING),
+                _ => task.categories(2 << (n % 7)).at(100.0 + f64::from(n / group)),
             }
-            let at = 100.0 + f64::from(n / group);
-            let categories = 2 << (n % 16);
-            task(n, 10.0).categories(categories).priority((n % 97) as u8).at(at)
         });
-        busy.add(std::iter::once(holder).chain(all));
+        busy.add(holders.chain(rest));
         busy
     }
 
@@ -63,7 +66,7 @@ impl Busy {
 
     fn step(&mut self, mut events: Vec<Event>) {
         let before = self.manager.looked_at();
-        self.took = std::time::Duration::ZERO;
+        self.took = Duration::ZERO;
         loop {
             let elapsed = Instant::from_micros(self.elapsed_us);
             let wall = UnixTime::from_micros(1_700_000_000_000_000);
@@ -97,47 +100,75 @@ impl Busy {
     }
 }
 
-/// The most that an event of each kind looked at: becoming due, an end, an
-/// addition, a removal, tickets that were taken.
-fn costs(tasks: u32) -> [(u64, std::time::Duration); 5] {
+/// Tasks of this category run one after the other.
+const RUNNING: u128 = 1 << 64;
+
+/// What happens: becoming due, an end, an addition, a removal, tickets that are
+/// taken.
+const KINDS: usize = 5;
+
+/// What each event of each kind looked at, and how long it took.
+fn costs(tasks: u32) -> [Vec<(u64, Duration)>; KINDS] {
     let mut busy = Busy::new(tasks);
-    let mut costs = [const { Vec::new() }; 5];
+    let mut costs = [const { Vec::new() }; KINDS];
     for round in 0..90_u32 {
+        let mut note = |kind: usize, busy: &Busy| costs[kind].push((busy.looked_at, busy.took));
         busy.elapsed_us = u64::from(100 + round) * 1_000_000;
         busy.step(Vec::new());
-        costs[0].push((busy.looked_at, busy.took));
-        let holder = id(u32::MAX);
-        let ends = busy.running.iter().find(|attempt| attempt.occurrence.task != holder).copied();
-        if let Some(attempt) = ends {
+        note(0, &busy);
+        let short = busy.running.iter().find(|attempt| attempt.occurrence.task < id(u32::MAX - 8));
+        if let Some(attempt) = short.copied() {
             busy.end(attempt.occurrence);
-            costs[1].push((busy.looked_at, busy.took));
+            note(1, &busy);
         }
         let new = 1_000_000 + round;
         busy.add([task(new, 10.0).categories(1).priority(50)]);
-        costs[2].push((busy.looked_at, busy.took));
+        note(2, &busy);
         busy.command(Telecommand::Remove(vec![id(new)]));
-        costs[3].push((busy.looked_at, busy.took));
-        if let Some(attempt) = busy.running.last().copied() {
+        note(3, &busy);
+        if let Some(attempt) = busy.running.first().copied() {
             let occurrence = attempt.occurrence;
             busy.step(vec![Event::Taken { occurrence, by: "safe mode".into() }]);
-            costs[4].push((busy.looked_at, busy.took));
+            note(4, &busy);
             busy.step(vec![Event::Granted { occurrence }]);
         }
     }
-    costs.map(|mut costs| {
-        costs.sort_unstable();
-        let most = costs.last().map_or(0, |cost| cost.0);
-        let mut times: Vec<_> = costs.iter().map(|cost| cost.1).collect();
-        times.sort_unstable();
-        (most, times[times.len() * 99 / 100])
-    })
+    costs
 }
 
 #[test]
 fn an_event_looks_at_hardly_more_among_100_000_tasks_than_among_100() {
-    let few = costs(100);
-    let many = costs(100_000);
-    println!("{few:?}\n{many:?}");
-    let most = |costs: &[(u64, _); 5]| costs.iter().map(|cost| cost.0).max().unwrap();
-    assert!(most(&many) <= 3 * most(&few), "{few:?} {many:?}");
+    let most = |tasks| {
+        let costs = costs(tasks);
+        let looks = costs.iter().flatten().map(|cost| cost.0);
+        looks.max().unwrap()
+    };
+    let (few, many) = (most(100), most(100_000));
+    assert!(many <= 3 * few, "{few} of 100, {many} of 100 000");
+}
+
+/// Prints what `benches/schedule` measures with more care.
+#[test]
+#[ignore = "times, which a busy machine makes longer"]
+fn an_event_takes_hardly_longer_among_100_000_tasks_than_among_100() {
+    let mut worst = Vec::new();
+    for tasks in [100, 1_000, 10_000, 100_000] {
+        // The same events each time: the shortest time is the one nobody disturbed.
+        let mut best =
+            costs(tasks).map(|costs| costs.iter().map(|cost| cost.1).collect::<Vec<_>>());
+        for _ in 0..9 {
+            for (best, again) in best.iter_mut().zip(costs(tasks)) {
+                for (best, (_, again)) in best.iter_mut().zip(again) {
+                    *best = (*best).min(again);
+                }
+            }
+        }
+        let p99 = best.map(|mut times| {
+            times.sort_unstable();
+            times[times.len() * 99 / 100]
+        });
+        println!("{tasks} tasks: p99 of due, end, add, remove, revoke: {p99:?}");
+        worst.push(*p99.iter().max().unwrap());
+    }
+    println!("100 000 to 100: {:.2}", worst[3].as_secs_f64() / worst[0].as_secs_f64());
 }

@@ -19,7 +19,7 @@ use crate::world::{With, seconds, task};
 
 /// What can happen. Numbers choose among those that are there.
 #[derive(Clone, Debug)]
-pub enum Transition {
+pub(crate) enum Transition {
     Add(Spec),
     Second,
     /// A body ends by itself.
@@ -39,7 +39,7 @@ pub enum Transition {
 
 /// A task that is added, told in a line. Its id is the number of its addition.
 #[derive(Clone)]
-pub struct Spec(pub Box<Task>);
+pub(crate) struct Spec(pub(crate) Box<Task>);
 
 impl fmt::Debug for Spec {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -52,7 +52,7 @@ impl fmt::Debug for Spec {
 
 /// Any history is possible.
 #[derive(Clone, Debug, Default)]
-pub struct Histories;
+pub(crate) struct Histories;
 
 fn preemption() -> impl Strategy<Value = Preemption> {
     let signal = CheckpointSignal::User1;

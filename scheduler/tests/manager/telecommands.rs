@@ -239,12 +239,6 @@ fn the_manager_does_by_itself_what_a_task_can_ask_of_it() {
             "15.000 task 2 removed",
             "20.000 task 7 attempt 1 started",
             "21.000 task 8 failed",
-            "30.000 task 3 removed",
-            "30.000 task 4 removed",
-            "30.000 task 5 removed",
-            "30.000 task 6 removed",
-            "30.000 task 8 removed",
-            "30.000 task 7 removed",
             "30.000 task 1 removed",
         ]
     );

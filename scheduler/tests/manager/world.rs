@@ -18,14 +18,14 @@ use faregate_scheduler::task::{Body, Task, TaskId, TaskPriority, When};
 use faregate_scheduler::time::{Duration, Instant, Now, UnixTime};
 
 /// The time of day at which every test begins, in seconds since 1970.
-pub const BEGAN: i64 = 1_700_000_000;
+pub(crate) const BEGAN: i64 = 1_700_000_000;
 
 /// What was said, in order.
 #[derive(Debug, Default)]
-pub struct Log {
-    pub lines: Vec<String>,
-    pub replies: BTreeMap<TelecommandId, Reply>,
-    pub files: BTreeMap<String, LoadedFile>,
+pub(crate) struct Log {
+    pub(crate) lines: Vec<String>,
+    pub(crate) replies: BTreeMap<TelecommandId, Reply>,
+    pub(crate) files: BTreeMap<String, LoadedFile>,
 }
 
 impl Log {
@@ -37,10 +37,10 @@ impl Log {
 
 /// What was written.
 #[derive(Debug, Default)]
-pub struct Kept {
-    pub records: Vec<Record>,
+pub(crate) struct Kept {
+    pub(crate) records: Vec<Record>,
     /// Indexes into `records`: everything before was synced then.
-    pub syncs: Vec<usize>,
+    pub(crate) syncs: Vec<usize>,
 }
 
 impl JournalSink for Kept {
@@ -73,25 +73,25 @@ impl Outside for People<'_> {
     }
 }
 
-pub struct World {
+pub(crate) struct World {
     driver: Driver,
-    pub bodies: VirtualBodies,
-    pub tickets: Box<dyn TicketPort>,
-    pub log: Log,
-    pub journal: Kept,
-    pub elapsed_us: u64,
+    pub(crate) bodies: VirtualBodies,
+    pub(crate) tickets: Box<dyn TicketPort>,
+    pub(crate) log: Log,
+    pub(crate) journal: Kept,
+    pub(crate) elapsed_us: u64,
     /// How far the time of day is ahead of where it would be, had it not been
     /// set.
-    pub ahead_us: i64,
+    pub(crate) ahead_us: i64,
     asked: u64,
 }
 
 impl World {
-    pub fn new(mission: Mission) -> Self {
+    pub(crate) fn new(mission: Mission) -> Self {
         Self::with_bodies(mission, VirtualBodies::as_expected())
     }
 
-    pub fn with_bodies(mission: Mission, bodies: VirtualBodies) -> Self {
+    pub(crate) fn with_bodies(mission: Mission, bodies: VirtualBodies) -> Self {
         Self {
             driver: Driver::new(mission),
             bodies,
@@ -105,14 +105,14 @@ impl World {
     }
 
     /// A world without devices, in which these tasks are loaded at once.
-    pub fn of(tasks: impl IntoIterator<Item = Task>) -> Self {
+    pub(crate) fn of(tasks: impl IntoIterator<Item = Task>) -> Self {
         let mut world = Self::new(Mission::default());
         world.add(tasks);
         world
     }
 
     /// The same, where the tasks of these ids end with these exits.
-    pub fn ending(tasks: impl IntoIterator<Item = Task>, exits: &[(u32, Exit)]) -> Self {
+    pub(crate) fn ending(tasks: impl IntoIterator<Item = Task>, exits: &[(u32, Exit)]) -> Self {
         let exits = exits.to_vec();
         let mut world = Self::with_bodies(Mission::default(), bodies_ending(exits));
         world.add(tasks);
@@ -120,7 +120,7 @@ impl World {
     }
 
     /// Goes on from what a journal gave back, `down_s` seconds later.
-    pub fn restored(mission: Mission, restored: Restored, down_s: u64) -> Self {
+    pub(crate) fn restored(mission: Mission, restored: Restored, down_s: u64) -> Self {
         let mut world = Self::new(mission.clone());
         world.ahead_us = i64::try_from(down_s * 1_000_000).unwrap();
         let now = world.now();
@@ -134,26 +134,26 @@ impl World {
         world
     }
 
-    pub fn now(&self) -> Now {
+    pub(crate) fn now(&self) -> Now {
         let wall = BEGAN * 1_000_000 + i64::try_from(self.elapsed_us).unwrap() + self.ahead_us;
         Now { elapsed: Instant::from_micros(self.elapsed_us), wall: UnixTime::from_micros(wall) }
     }
 
-    pub fn manager(&self) -> &Manager {
+    pub(crate) fn manager(&self) -> &Manager {
         self.driver.manager()
     }
 
-    pub fn add(&mut self, tasks: impl IntoIterator<Item = Task>) {
+    pub(crate) fn add(&mut self, tasks: impl IntoIterator<Item = Task>) {
         assert_eq!(self.try_add(tasks), Reply::Done);
     }
 
-    pub fn try_add(&mut self, tasks: impl IntoIterator<Item = Task>) -> Reply {
+    pub(crate) fn try_add(&mut self, tasks: impl IntoIterator<Item = Task>) -> Reply {
         let additions = tasks.into_iter().map(|task| Addition { task }).collect();
         self.ask(Telecommand::Add(additions))
     }
 
     /// Commands the manager, and lets it decide.
-    pub fn ask(&mut self, telecommand: Telecommand) -> Reply {
+    pub(crate) fn ask(&mut self, telecommand: Telecommand) -> Reply {
         self.asked += 1;
         let id = TelecommandId(self.asked);
         self.tell(Event::Telecommand { id, telecommand });
@@ -161,17 +161,17 @@ impl World {
     }
 
     /// Something happens now.
-    pub fn tell(&mut self, event: Event) {
+    pub(crate) fn tell(&mut self, event: Event) {
         self.driver.tell(event);
         self.settle();
     }
 
     /// Something will be told with whatever happens next.
-    pub fn tell_later(&mut self, event: Event) {
+    pub(crate) fn tell_later(&mut self, event: Event) {
         self.driver.tell(event);
     }
 
-    pub fn settle(&mut self) {
+    pub(crate) fn settle(&mut self) {
         for _ in 0..10_000 {
             let now = self.now();
             let mut ports = Ports {
@@ -189,7 +189,7 @@ impl World {
     }
 
     /// Lets everything happen until this second.
-    pub fn until(&mut self, seconds: f64) {
+    pub(crate) fn until(&mut self, seconds: f64) {
         let end = us(seconds);
         self.settle();
         while let Some(due) = self.next_due_us().filter(|due| *due <= end) {
@@ -208,19 +208,19 @@ impl World {
     }
 
     /// The time of day is set.
-    pub fn jump(&mut self, seconds: i64) {
+    pub(crate) fn jump(&mut self, seconds: i64) {
         self.ahead_us += seconds * 1_000_000;
         self.settle();
     }
 
     /// The lines that contain one of these words, all of them without any.
-    pub fn lines(&self, words: &[&str]) -> Vec<&str> {
+    pub(crate) fn lines(&self, words: &[&str]) -> Vec<&str> {
         let lines = self.log.lines.iter().map(String::as_str);
         lines.filter(|line| words.iter().any(|word| line.contains(word))).collect()
     }
 
     /// What was said since the last call.
-    pub fn news(&mut self) -> Vec<String> {
+    pub(crate) fn news(&mut self) -> Vec<String> {
         std::mem::take(&mut self.log.lines)
     }
 }
@@ -233,20 +233,20 @@ fn bodies_ending(exits: Vec<(u32, Exit)>) -> VirtualBodies {
     })
 }
 
-pub fn us(seconds: f64) -> u64 {
+pub(crate) fn us(seconds: f64) -> u64 {
     Duration::from_micros((seconds * 1e6).round().max(0.0) as u64).as_micros()
 }
 
-pub fn id(number: u32) -> TaskId {
+pub(crate) fn id(number: u32) -> TaskId {
     TaskId::new(number).unwrap()
 }
 
-pub fn seconds(seconds: f64) -> Duration {
+pub(crate) fn seconds(seconds: f64) -> Duration {
     Duration::from_micros(us(seconds))
 }
 
 /// A process that takes so many seconds.
-pub fn task(number: u32, takes: f64) -> Task {
+pub(crate) fn task(number: u32, takes: f64) -> Task {
     let body = Body::Process { program: "true".into(), arguments: vec![] };
     let mut task = Task::new(id(number), body);
     task.duration = seconds(takes);
@@ -254,7 +254,7 @@ pub fn task(number: u32, takes: f64) -> Task {
 }
 
 /// What tests want of a task, in the order in which they say it.
-pub trait With: Sized {
+pub(crate) trait With: Sized {
     fn with(self, change: impl FnOnce(&mut Task)) -> Self;
 
     fn priority(self, level: u8) -> Self {
@@ -288,6 +288,6 @@ impl With for Task {
 }
 
 /// A time of day, in seconds from the beginning of the test.
-pub fn wall(after: i64) -> When {
+pub(crate) fn wall(after: i64) -> When {
     When::At(UnixTime::from_secs(BEGAN + after))
 }

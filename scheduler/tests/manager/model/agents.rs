@@ -6,13 +6,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use faregate_scheduler::manager::{Event, Needs, Occurrence};
 
 #[derive(Debug, Default)]
-pub struct Agents {
+pub(crate) struct Agents {
     requests: BTreeMap<Occurrence, Request>,
     /// Whose tickets somebody outside keeps from being granted.
-    pub barred: BTreeSet<Occurrence>,
+    pub(crate) barred: BTreeSet<Occurrence>,
     order: u64,
     /// What was not said yet.
-    pub events: Vec<Event>,
+    pub(crate) events: Vec<Event>,
 }
 
 #[derive(Debug)]
@@ -31,7 +31,7 @@ enum State {
 }
 
 impl Agents {
-    pub fn request(&mut self, occurrence: Occurrence, needs: Needs, victims: &[Occurrence]) {
+    pub(crate) fn request(&mut self, occurrence: Occurrence, needs: Needs, victims: &[Occurrence]) {
         self.order += 1;
         let request = Request { needs, order: self.order, state: State::Waiting };
         let before = self.requests.insert(occurrence, request);
@@ -60,7 +60,7 @@ impl Agents {
         is_granted
     }
 
-    pub fn stopped(&mut self, occurrence: Occurrence) {
+    pub(crate) fn stopped(&mut self, occurrence: Occurrence) {
         if let Some(request) = self.requests.get_mut(&occurrence) {
             if request.state == State::Stopping {
                 request.state = State::Waiting;
@@ -68,7 +68,7 @@ impl Agents {
         }
     }
 
-    pub fn relinquish(&mut self, occurrence: Occurrence) {
+    pub(crate) fn relinquish(&mut self, occurrence: Occurrence) {
         assert!(self.requests.remove(&occurrence).is_some(), "{occurrence} has nothing");
         self.barred.remove(&occurrence);
         self.events.retain(|event| match event {
@@ -80,15 +80,15 @@ impl Agents {
     }
 
     /// Whether the tickets are valid, whoever knows of it.
-    pub fn is_valid(&self, occurrence: Occurrence) -> bool {
+    pub(crate) fn is_valid(&self, occurrence: Occurrence) -> bool {
         self.requests.get(&occurrence).is_some_and(|request| request.state == State::Granted)
     }
 
-    pub fn asked(&self) -> Vec<Occurrence> {
+    pub(crate) fn asked(&self) -> Vec<Occurrence> {
         self.requests.keys().copied().collect()
     }
 
-    pub fn bar(&mut self, occurrence: Occurrence) {
+    pub(crate) fn bar(&mut self, occurrence: Occurrence) {
         if self.barred.insert(occurrence) {
             self.take(occurrence, "somebody outside");
             let why = "somebody outside".to_owned();
@@ -96,13 +96,13 @@ impl Agents {
         }
     }
 
-    pub fn unbar(&mut self) {
+    pub(crate) fn unbar(&mut self) {
         self.barred.clear();
     }
 
     /// Grants what can be granted, most important first, and takes what more
     /// important ones want from less important ones.
-    pub fn settle(&mut self) {
+    pub(crate) fn settle(&mut self) {
         // What was taken for somebody is not given to somebody else.
         let mut owed = 0;
         for (importance, occurrence) in self.waiting() {

@@ -17,7 +17,7 @@ use crate::model::reference::{Body, Does, Known, MEMORY, SUPPLY, Taken, expected
 use crate::model::{Spec, Transition};
 use crate::world::id;
 
-pub struct Bench {
+pub(crate) struct Bench {
     manager: Manager,
     agents: Agents,
     known: Vec<Known>,
@@ -36,7 +36,7 @@ pub struct Bench {
 }
 
 impl Bench {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let supply = Some(Milliwatts::new(SUPPLY));
         let mission = Mission {
             agents: vec![AgentSpec { name: "tasks".into(), supply }],
@@ -60,7 +60,7 @@ impl Bench {
         }
     }
 
-    pub fn apply(&mut self, transition: Transition) {
+    pub(crate) fn apply(&mut self, transition: Transition) {
         match transition {
             Transition::Add(Spec(mut task)) => {
                 task.id = id(u32::try_from(self.known.len()).unwrap() + 1);
@@ -117,7 +117,7 @@ impl Bench {
     }
 
     /// Everything comes to an end, and nothing was lost on the way.
-    pub fn finish(mut self) {
+    pub(crate) fn finish(mut self) {
         self.agents.unbar();
         self.slow = false;
         for index in 0..self.known.len() {

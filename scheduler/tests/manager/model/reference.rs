@@ -6,31 +6,31 @@ use faregate_scheduler::task::{Preemption, Task, TaskId, When};
 
 /// A task as the reference knows it. Times are seconds.
 #[derive(Clone, Debug)]
-pub struct Known {
-    pub task: Task,
-    pub loaded: i64,
-    pub position: u64,
-    pub held: bool,
+pub(crate) struct Known {
+    pub(crate) task: Task,
+    pub(crate) loaded: i64,
+    pub(crate) position: u64,
+    pub(crate) held: bool,
     /// The last occurrence that is over.
-    pub last: Option<u64>,
-    pub body: Option<Body>,
+    pub(crate) last: Option<u64>,
+    pub(crate) body: Option<Body>,
     /// The occurrence that was pre-empted, and is to be run again.
-    pub rerun: Option<u64>,
-    pub over: bool,
+    pub(crate) rerun: Option<u64>,
+    pub(crate) over: bool,
 }
 
 /// A body that was started and is not over.
 #[derive(Clone, Debug)]
-pub struct Body {
-    pub number: u64,
-    pub attempt: u32,
-    pub state: Does,
+pub(crate) struct Body {
+    pub(crate) number: u64,
+    pub(crate) attempt: u32,
+    pub(crate) state: Does,
     /// It is being ended for good.
-    pub ends: bool,
+    pub(crate) ends: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Does {
+pub(crate) enum Does {
     Runs,
     Stops,
     Stands,
@@ -44,7 +44,7 @@ fn after(when: When) -> Option<i64> {
 }
 
 impl Known {
-    pub fn due(&self, number: u64) -> i64 {
+    pub(crate) fn due(&self, number: u64) -> i64 {
         self.loaded + after(self.task.windows[0].opens).unwrap_or(0) + self.shift(number)
     }
 
@@ -53,13 +53,13 @@ impl Known {
         i64::try_from(interval * number).unwrap()
     }
 
-    pub fn is_open(&self, number: u64, now: i64) -> bool {
+    pub(crate) fn is_open(&self, number: u64, now: i64) -> bool {
         let closes = after(self.task.windows[0].closes);
         closes.is_none_or(|closes| now <= self.loaded + closes + self.shift(number))
     }
 
     /// The last occurrence that is due by now.
-    pub fn last_due(&self, now: i64) -> Option<u64> {
+    pub(crate) fn last_due(&self, now: i64) -> Option<u64> {
         match self.task.interval {
             None => (self.due(0) <= now).then_some(0),
             Some(_) => (0..).take_while(|number| self.due(*number) <= now).last(),
@@ -84,24 +84,24 @@ impl Known {
 }
 
 /// What there is.
-pub const SUPPLY: u64 = 3_000;
-pub const MEMORY: u64 = 3;
+pub(crate) const SUPPLY: u64 = 3_000;
+pub(crate) const MEMORY: u64 = 3;
 
 #[derive(Debug, Default)]
-pub struct Taken {
-    pub categories: u128,
-    pub draw: u64,
-    pub memory: u64,
+pub(crate) struct Taken {
+    pub(crate) categories: u128,
+    pub(crate) draw: u64,
+    pub(crate) memory: u64,
 }
 
 impl Taken {
-    pub fn fits(&self, task: &Task, with_memory: bool) -> bool {
+    pub(crate) fn fits(&self, task: &Task, with_memory: bool) -> bool {
         self.categories & task.categories.mask() == 0
             && (task.peak_draw.is_zero() || self.draw + task.peak_draw.get() <= SUPPLY)
             && (!with_memory || task.memory == 0 || self.memory + task.memory <= MEMORY)
     }
 
-    pub fn take(&mut self, task: &Task, with_memory: bool) {
+    pub(crate) fn take(&mut self, task: &Task, with_memory: bool) {
         self.categories |= task.categories.mask();
         self.draw += task.peak_draw.get();
         if with_memory {
@@ -117,7 +117,7 @@ fn share(a: &Task, b: &Task) -> bool {
 }
 
 /// Who runs when everything is at rest.
-pub fn expected(
+pub(crate) fn expected(
     known: &[Known],
     gaps: u128,
     barred: impl Fn(TaskId) -> bool,
