@@ -117,7 +117,8 @@ fn a_slow_device_keeps_neither_heartbeats_nor_other_attempts_nor_the_manager_wai
     lets_go.send(()).unwrap();
     stage.woken();
     assert!(stage.server.is_quiet(slow));
-    assert!(matches!(waits.join().unwrap(), Err(Error::Closed)));
+    // The answer may come before the end of the connection.
+    assert!(matches!(waits.join().unwrap(), Ok(_) | Err(Error::Closed)));
 }
 
 #[test]

@@ -10,11 +10,13 @@ mod control {
 use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::os::unix::net::UnixStream;
 use std::sync::atomic::Ordering;
+use std::sync::{Arc, Mutex, mpsc};
 
-use control::stage::{LONG, Stage, id, until};
+use control::stage::{LONG, Stage, id, now, until};
 use faregate_client::wire::control::{MAX_LINE, State, StatusQuery, When, Window};
 use faregate_client::{Change, Control, Error, RefusalKind, Refused};
-use faregate_scheduler::control::{MAX_CLIENTS, MAX_NOTES};
+use faregate_scheduler::control::{Link, MAX_CLIENTS, MAX_NOTES, SocketLink};
+use faregate_scheduler::executive::Waker;
 use faregate_scheduler::manager::{Note, Telecommand};
 use faregate_scheduler::task::TaskPriority;
 use faregate_scheduler::time::{Duration, UnixTime};
@@ -183,7 +185,7 @@ fn more_clients_than_there_is_room_for_are_refused_until_one_goes() {
 fn who_watches_hears_every_change_and_others_do_not() {
     let stage = Stage::new();
     let mut watch = stage.client().watch().unwrap();
-    let mut control = stage.client();
+    let mut other = raw(&stage);
     for number in 1..=100 {
         stage.note(Note::Accepted(id(number)));
     }
@@ -193,29 +195,72 @@ fn who_watches_hears_every_change_and_others_do_not() {
         let note: Note = serde_json::from_value(note).unwrap();
         assert_eq!(note, Note::Accepted(id(number)));
     }
-    control.hold(1).unwrap();
+    other.get_mut().write_all(b"{\"id\":1,\"ask\":{\"hold\":{\"task\":1}}}\n").unwrap();
+    assert!(hear(&mut other).contains("\"id\":1,"));
 }
 
 #[test]
 fn who_watches_and_does_not_read_is_told_what_it_missed_and_keeps_nobody_waiting() {
     let stage = Stage::new();
     let mut watch = stage.client().watch().unwrap();
-    let told = 4 * MAX_NOTES;
+    let mut other = stage.client();
+    let (batch, batches) = (MAX_NOTES / 2, 8);
     let why = "x".repeat(500);
-    for _ in 0..told {
-        stage.note(Note::NeverRuns { task: id(1), why: why.clone() });
+    for _ in 0..batches {
+        for _ in 0..batch {
+            stage.note(Note::NeverRuns { task: id(1), why: why.clone() });
+        }
+        // The others are served meanwhile. When they have been, no change waits
+        // for the port's thread any more: it is the reader who is too slow.
+        other.hold(1).unwrap();
+        other.hold(1).unwrap();
     }
-    // The manager and the other clients are served meanwhile.
-    stage.client().hold(1).unwrap();
     stage.note(Note::Accepted(id(2)));
+    let told = u64::try_from(batch * batches + 1).unwrap();
     let (mut heard, mut lost) = (0, 0);
-    while heard + lost < u64::try_from(told).unwrap() + 1 {
+    while heard + lost < told {
         match watch.wait().unwrap() {
             Change::Note { .. } => heard += 1,
             Change::Lost(count) => lost += count,
         }
     }
-    assert!(lost > 0 && heard > 0, "{heard} heard, {lost} lost");
+    assert!(lost > told / 2 && heard > 0, "{heard} heard, {lost} lost");
+}
+
+#[test]
+fn the_manager_does_not_wait_for_a_port_whose_thread_is_busy() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("faregate.sock");
+    let (reads, has_begun) = mpsc::channel();
+    let (lets_go, until) = mpsc::channel::<()>();
+    let both = Mutex::new((reads, until));
+    let reader = move |_: &str, _: &str| {
+        let (reads, until) = &*both.lock().unwrap();
+        reads.send(()).unwrap();
+        let _ = until.recv();
+        Ok(Vec::new())
+    };
+    let waker = Waker::new().unwrap();
+    let mut link = SocketLink::listen(&path, Arc::new(reader), waker).unwrap();
+    let mut watch = Control::connect(&path).unwrap().watch().unwrap();
+    let mut other = Control::connect(&path).unwrap();
+    let reading = std::thread::spawn(move || other.add("long.list", "").unwrap_err());
+    has_begun.recv().unwrap();
+
+    let beyond = 10;
+    for _ in 0..MAX_NOTES + beyond {
+        link.note(now(), &Note::Accepted(id(1)));
+    }
+    lets_go.send(()).unwrap();
+    let (mut heard, mut lost) = (0, 0);
+    while heard + lost < u64::try_from(MAX_NOTES + beyond).unwrap() {
+        match watch.wait().unwrap() {
+            Change::Note { .. } => heard += 1,
+            Change::Lost(count) => lost += count,
+        }
+    }
+    assert!(heard > 0 && lost >= u64::try_from(beyond).unwrap(), "{heard} heard, {lost} lost");
+    assert!(matches!(reading.join().unwrap(), Error::Refused(_)));
 }
 
 #[test]

@@ -8,7 +8,6 @@ use std::os::unix::net::UnixStream;
 use faregate_client::wire::control::{Answer, MAX_LINE, Said};
 use faregate_client::wire::{Id, line};
 
-use crate::control::AskId;
 use crate::control::lines::{Lines, Next};
 
 /// What waits to be sent, before nothing more is read and no change told.
@@ -22,8 +21,8 @@ pub(super) struct Client {
     stream: UnixStream,
     lines: Lines,
     unsent: VecDeque<u8>,
-    /// What it asked and was not answered.
-    waits: Option<(AskId, Option<Id>)>,
+    /// It has asked something, by this number, and was not answered.
+    waits: Option<Option<Id>>,
     /// It will say nothing more.
     ended: bool,
     pub(super) watches: bool,
@@ -74,20 +73,17 @@ impl Client {
 
     /// The next line, once the one before is answered.
     pub(super) fn next_line(&mut self) -> Next {
-        if self.waits.is_some() || self.unsent.len() >= FULL {
-            return Next::Nothing;
-        }
-        self.lines.next_line()
+        if self.waits.is_some() { Next::Nothing } else { self.lines.next_line() }
     }
 
     /// It has asked something, and is not heard until it is answered.
-    pub(super) fn asks(&mut self, ask: AskId, id: Option<Id>) {
-        self.waits = Some((ask, id));
+    pub(super) fn asks(&mut self, id: Option<Id>) {
+        self.waits = Some(id);
     }
 
-    /// What the manager answers; the client may have gone on without.
-    pub(super) fn answered(&mut self, ask: AskId, what: Answer) {
-        if let Some((_, id)) = self.waits.take_if(|(waits, _)| *waits == ask) {
+    /// What the manager answers.
+    pub(super) fn answered(&mut self, what: Answer) {
+        if let Some(id) = self.waits.take() {
             self.answer(id, what);
         }
     }

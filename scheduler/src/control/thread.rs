@@ -170,7 +170,7 @@ impl Server {
                 if let Err(error) = self.tools.asks.try_send(Asked { id: ask, what }) {
                     return client.answer(id, Answer::Refused(unheard(&error)));
                 }
-                client.asks(ask, id);
+                client.asks(id);
                 self.asked.insert(ask, token);
                 self.tools.manager.wake();
             }
@@ -195,7 +195,7 @@ impl Server {
                 Told::Answer(ask, what) => {
                     let Some(token) = self.asked.remove(&ask) else { continue };
                     if let Some(client) = self.clients.get_mut(&token) {
-                        client.answered(ask, what);
+                        client.answered(what);
                         self.attend(token);
                     }
                 }

@@ -98,6 +98,18 @@ fn of_managers_that_start_at_the_same_time_one_listens() {
 }
 
 #[test]
+fn the_lock_beside_the_socket_decides() {
+    let (_directory, path) = directory();
+    drop(UnixListener::bind(&path).unwrap());
+    // As a manager that is about to replace it holds it.
+    let lock = std::fs::File::create(path.with_extension("sock.lock")).unwrap();
+    rustix::fs::flock(&lock, rustix::fs::FlockOperation::LockExclusive).unwrap();
+    assert_eq!(listen(&path).unwrap_err().kind(), ErrorKind::AddrInUse);
+    drop(lock);
+    listen(&path).unwrap();
+}
+
+#[test]
 fn a_socket_that_nobody_listens_at_is_replaced() {
     let (_directory, path) = directory();
     drop(UnixListener::bind(&path).unwrap());
