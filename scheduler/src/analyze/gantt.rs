@@ -66,27 +66,30 @@ pub fn gantt(analysis: &Analysis, look: &Look) -> String {
     format!("{}\n", picture.draw(analysis, look))
 }
 
-/// The horizon, or earlier when everything has ended.
+/// The horizon, or earlier when everything ends long before; later when gaps
+/// are left.
 fn ends_at(rows: &[Row], analysis: &Analysis) -> Duration {
-    let lanes = rows.iter().filter_map(|row| match row {
-        Row::Lane(lane) => Some(lane),
-        Row::Heading(..) => None,
-    });
-    let last = lanes.flat_map(|lane| {
-        let spans = lane.waits.iter().chain(&lane.gaps).chain(&lane.windows);
+    let lanes = || {
+        rows.iter().filter_map(|row| match row {
+            Row::Lane(lane) => Some(lane),
+            Row::Heading(..) => None,
+        })
+    };
+    let horizon = analysis.horizon;
+    let gaps = lanes().flat_map(|lane| &lane.gaps).map(|gap| gap.1).max().unwrap_or_default();
+    let ends = lanes().flat_map(|lane| {
+        let spans = lane.waits.iter().chain(&lane.windows).map(|span| span.1);
         let runs = lane.runs.iter().map(|bar| bar.span.1);
-        spans.map(|span| span.1).chain(runs).chain(lane.misses.iter().copied())
+        spans.chain(runs).chain(lane.misses.iter().copied())
     });
-    last.max().map_or(analysis.horizon, |last| last.min(analysis.horizon.max(gaps(rows))))
+    let last = ends.max().unwrap_or(horizon).max(gaps);
+    if last < long_before(horizon) { last } else { horizon.max(gaps) }
 }
 
-/// What is kept after the horizon is worth a look when nothing else is there.
-fn gaps(rows: &[Row]) -> Duration {
-    let gaps = rows.iter().filter_map(|row| match row {
-        Row::Lane(lane) => lane.gaps.iter().map(|gap| gap.1).max(),
-        Row::Heading(..) => None,
-    });
-    gaps.max().unwrap_or_default()
+/// Nine tenths: what ends later would leave a scale that nearly ends at a round
+/// number.
+fn long_before(horizon: Duration) -> Duration {
+    Duration::from_micros(horizon.as_micros() / 10 * 9)
 }
 
 struct Picture {

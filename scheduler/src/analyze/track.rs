@@ -217,8 +217,9 @@ impl Track {
     /// When it was known that this occurrence will not run.
     fn lost_at(&self, occurrence: u64, now: Duration) -> Duration {
         let due = self.due(occurrence);
-        let is_busy = |run: &Run| run.start < due && run.end.is_none_or(|end| end > due);
-        if self.runs.iter().rev().any(is_busy) {
+        let before = self.runs.partition_point(|run| run.start < due);
+        let last = self.runs.get(before.wrapping_sub(1));
+        if last.is_some_and(|run| run.end.is_none_or(|end| end > due)) {
             return due;
         }
         let closes = self.windows(occurrence).filter_map(|(_, closes)| closes).max();

@@ -22,15 +22,20 @@ pub(super) fn draw(rows: &[Row], scale: &Scale, (left, middle): (f64, f64)) -> G
         })
     };
     let mut group = Group::new();
-    let is_crowded = |lane: &Lane| is_crowded(lane.runs.len(), scale);
-    for Sign { words, lane, is_end, is_used } in signs() {
-        // Runs that cannot be told apart are drawn without their ends.
-        if lanes().any(|lane| is_used(lane) && !(is_end && is_crowded(lane))) {
+    let is_crowded = |count: usize| is_crowded(count, scale);
+    for Sign { words, lane, is_lost, count } in signs() {
+        // Some of what cannot be told apart is not drawn.
+        let is_drawn = |lane: &Lane| match is_lost {
+            Lost::Never => true,
+            Lost::AmongItsLike => !is_crowded(count(lane)),
+            Lost::AmongRuns => !is_crowded(lane.runs.len()),
+        };
+        if lanes().any(|lane| count(lane) > 0 && is_drawn(lane)) {
             group = group.add(sample(&lane, x, middle)).add(said(words, x, middle));
             x += SIGN + length(words) + 30.0;
         }
     }
-    if lanes().any(is_crowded) {
+    if lanes().any(|lane| is_crowded(lane.runs.len())) {
         let words = "paler: part of the time";
         let pale = bar((x, x + SIGN), middle - 6.0, 12.0, TONES[0]).set("fill-opacity", "0.35");
         group = group.add(pale).add(said(words, x, middle));
@@ -53,36 +58,48 @@ struct Sign {
     words: &'static str,
     /// A row that has nothing else.
     lane: Lane,
-    /// Whether it is the end of a run.
-    is_end: bool,
-    is_used: fn(&Lane) -> bool,
+    is_lost: Lost,
+    /// How many of it a row has.
+    count: fn(&Lane) -> usize,
+}
+
+/// Where a thing is not drawn.
+#[derive(Clone, Copy)]
+enum Lost {
+    Never,
+    /// Where it cannot be told apart from others of its kind.
+    AmongItsLike,
+    /// Where runs cannot be told apart.
+    AmongRuns,
 }
 
 fn signs() -> [Sign; 9] {
     let at = Duration::from_secs;
     let whole = (at(0), at(10));
     let empty = Lane::default;
-    let sign = |words, lane, is_used| Sign { words, lane, is_end: false, is_used };
-    let end = |words, outcome, is_used| {
+    let sign = |words, lane, is_lost, count| Sign { words, lane, is_lost, count };
+    let end = |words, outcome, count| {
         let lane = Lane { runs: vec![piece(outcome)], ..empty() };
-        Sign { words, lane, is_end: true, is_used }
+        Sign { words, lane, is_lost: Lost::AmongRuns, count }
     };
+    let windows = Lane { windows: vec![whole], ..empty() };
+    let waits = Lane { waits: vec![whole], ..empty() };
+    let runs = Lane { runs: vec![piece(RunOutcome::Succeeded)], ..empty() };
+    let pauses = Lane { pauses: vec![whole], ..empty() };
+    let gaps = Lane { gaps: vec![whole], ..empty() };
+    let misses = Lane { misses: vec![at(5)], ..empty() };
     [
-        sign("window", Lane { windows: vec![whole], ..empty() }, |lane| !lane.windows.is_empty()),
-        sign("waits", Lane { waits: vec![whole], ..empty() }, |lane| !lane.waits.is_empty()),
-        sign("runs", Lane { runs: vec![piece(RunOutcome::Succeeded)], ..empty() }, |lane| {
-            !lane.runs.is_empty()
-        }),
-        sign("paused", Lane { pauses: vec![whole], ..empty() }, |lane| !lane.pauses.is_empty()),
-        end("to be run again", RunOutcome::Preempted, |lane| {
-            ends_with(lane, &[RunOutcome::Preempted])
-        }),
+        sign("window", windows, Lost::Never, |lane| lane.windows.len()),
+        sign("waits", waits, Lost::Never, |lane| lane.waits.len()),
+        sign("runs", runs, Lost::Never, |lane| lane.runs.len()),
+        sign("paused", pauses, Lost::AmongItsLike, |lane| lane.pauses.len()),
+        end("to be run again", RunOutcome::Preempted, |lane| ends(lane, &[RunOutcome::Preempted])),
         end("failed or ended", RunOutcome::Failed, |lane| {
-            ends_with(lane, &[RunOutcome::Failed, RunOutcome::Aborted])
+            ends(lane, &[RunOutcome::Failed, RunOutcome::Aborted])
         }),
-        end("goes on", RunOutcome::Unfinished, |lane| ends_with(lane, &[RunOutcome::Unfinished])),
-        sign("gap", Lane { gaps: vec![whole], ..empty() }, |lane| !lane.gaps.is_empty()),
-        sign("missed", Lane { misses: vec![at(5)], ..empty() }, |lane| !lane.misses.is_empty()),
+        end("goes on", RunOutcome::Unfinished, |lane| ends(lane, &[RunOutcome::Unfinished])),
+        sign("gap", gaps, Lost::AmongItsLike, |lane| lane.gaps.len()),
+        sign("missed", misses, Lost::Never, |lane| lane.misses.len()),
     ]
 }
 
@@ -91,6 +108,6 @@ fn piece(outcome: RunOutcome) -> Bar {
     Bar { span, outcome, last: true, task: 0, words: String::new(), tip: String::new() }
 }
 
-fn ends_with(lane: &Lane, outcomes: &[RunOutcome]) -> bool {
-    lane.runs.iter().any(|bar| bar.last && outcomes.contains(&bar.outcome))
+fn ends(lane: &Lane, outcomes: &[RunOutcome]) -> usize {
+    lane.runs.iter().filter(|bar| bar.last && outcomes.contains(&bar.outcome)).count()
 }
