@@ -26,7 +26,7 @@ use std::sync::Arc;
 
 use faregate_client::{Problem, RefusalKind, Refused};
 
-use crate::bodies::{self, Functions, RealBodies, Settings, Surroundings};
+use crate::bodies::{Functions, RealBodies, Settings, Surroundings};
 use crate::control::{Links, ReadSchedule, SocketLink};
 use crate::executive::{
     Commands, Correspondent, HostClock, HostExecutive, JournalSink, Unwritten, Waker,
@@ -276,16 +276,7 @@ impl Builder {
             let link = SocketLink::listen(&path, self.schedules, self.waker.clone());
             links.add(link.map_err(|error| NotOnboard::Control(path, error))?);
         }
-        // What an earlier manager left ends before anything starts.
-        if let Some(state) = &self.settings.state {
-            for killed in bodies::sweep(state)? {
-                tracing::warn!(
-                    pid = killed.pid,
-                    task = killed.task,
-                    "left by the last run: killed"
-                );
-            }
-        }
+        // What an earlier manager left ends here, before anything starts.
         let around = Surroundings { ports: Box::new(ports), commands, functions: self.functions };
         let bodies = RealBodies::new(self.settings, self.waker.clone(), around)?;
         let outside = outside(links, &tickets, &self.waker)?;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use faregate_tickets::Device;
 use faregate_tickets::amount::Milliwatts;
-use faregate_tickets::device::{Declaration, Profile};
+use faregate_tickets::device::{Declaration, Profile, WhenOrphaned};
 
 /// How many numbers a command carries.
 pub const ARGUMENTS: usize = 4;
@@ -156,8 +156,11 @@ pub struct GateDevice {
 
 impl GateDevice {
     /// It is charged this draw, if the driver does not declare more.
+    /// Without a task it is made safe at once: no device is left on by a task
+    /// that is over or stands still.
     pub(super) fn new(driver: Box<dyn Driver>, draw: Milliwatts) -> Self {
-        let profile = driver.profile();
+        let mut profile = driver.profile();
+        profile.when_orphaned = WhenOrphaned::SafeAtOnce;
         Self { driver, profile: profile.drawing(profile.draw.max(draw)) }
     }
 }
