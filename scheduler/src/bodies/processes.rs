@@ -110,7 +110,10 @@ impl Processes {
         let data = epoll::EventData::new_u64(serial);
         let _ = epoll::add(&self.epoll, process.pidfd(), data, epoll::EventFlags::IN);
         if let Some(events) = process.group_events() {
-            let _ = epoll::add(&self.epoll, events, data, epoll::EventFlags::PRI);
+            // Told once for each change: else the file would be ready until it is
+            // read, which is only done for a group that is being stopped.
+            let once = epoll::EventFlags::PRI | epoll::EventFlags::ET;
+            let _ = epoll::add(&self.epoll, events, data, once);
         }
     }
 
