@@ -150,7 +150,8 @@ fn who_is_not_granted_yet_stands_back_for_a_more_important_one() {
 #[test]
 fn not_more_requests_wait_at_the_agents_than_the_mission_says() {
     let mission = Mission { waiting_requests: 2, ..Mission::default() };
-    let tasks = [1, 2, 3, 4, 5].map(|n| task(n, 5.0).priority(n as u8));
+    let tasks =
+        [(1, 1), (2, 2), (3, 3), (4, 4), (5, 5)].map(|(id, level)| task(id, 5.0).priority(level));
     let (mut manager, actions) = Bare::of(mission, tasks);
     assert_eq!(actions, [request(5, &[]), request(4, &[])], "the most important ones");
     assert_eq!(manager.0.waits_for(of(3)), Some(WaitsFor::Slot));

@@ -234,7 +234,8 @@ fn bodies_ending(exits: Vec<(u32, Exit)>) -> VirtualBodies {
 }
 
 pub(crate) fn us(seconds: f64) -> u64 {
-    Duration::from_micros((seconds * 1e6).round().max(0.0) as u64).as_micros()
+    let span = std::time::Duration::from_secs_f64(seconds);
+    u64::try_from(span.as_micros()).unwrap()
 }
 
 pub(crate) fn id(number: u32) -> TaskId {

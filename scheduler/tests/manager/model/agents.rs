@@ -61,10 +61,10 @@ impl Agents {
     }
 
     pub(crate) fn stopped(&mut self, occurrence: Occurrence) {
-        if let Some(request) = self.requests.get_mut(&occurrence) {
-            if request.state == State::Stopping {
-                request.state = State::Waiting;
-            }
+        if let Some(request) = self.requests.get_mut(&occurrence)
+            && request.state == State::Stopping
+        {
+            request.state = State::Waiting;
         }
     }
 
@@ -77,11 +77,6 @@ impl Agents {
             | Event::Blocked { occurrence: of, .. } => *of != occurrence,
             _ => true,
         });
-    }
-
-    /// Whether the tickets are valid, whoever knows of it.
-    pub(crate) fn is_valid(&self, occurrence: Occurrence) -> bool {
-        self.requests.get(&occurrence).is_some_and(|request| request.state == State::Granted)
     }
 
     pub(crate) fn asked(&self) -> Vec<Occurrence> {
