@@ -28,11 +28,14 @@
 //! by looking at all processes of the host; [`RealBodies::control_group`] says
 //! which it is. Linux 5.11 is needed in either case.
 //!
-//! What is not found without control groups: a process that, at the moment of
-//! the manager's own violent end, has left its session *and* cleaned its
-//! environment. It outlives the [`sweep`]. And a process that hides like that
-//! from a living manager is not told apart by task: it is killed as soon as any
-//! task is paused or ends.
+//! Without control groups this is not claimed:
+//! - Of a chain of processes that each leave their session, start the next one
+//!   and end, sooner than the host's processes can be looked at, the last one
+//!   may be missed.
+//! - A process that at the violent end of the manager has left its session *and*
+//!   cleaned its environment outlives the [`sweep`].
+//! - One that hides like that from a living manager is not told apart by task: it
+//!   is killed as soon as any task is paused or ends.
 //!
 //! # The parts
 //!

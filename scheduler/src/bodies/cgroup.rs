@@ -5,6 +5,7 @@
 //! by one write. Used where the manager may make groups below its own one
 //! (version 2 of the interface, Linux 5.14).
 
+use core::cell::Cell;
 use std::fs::{self, File};
 use std::io;
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
@@ -16,10 +17,16 @@ use rustix::fs::{CWD, Mode, OFlags, openat};
 /// What the names of managers' groups begin with.
 const PREFIX: &str = "faregate-";
 
+/// How many groups without an attempt are kept for the next ones: no start
+/// waits until one is made, and no end until it is removed.
+const KEPT: usize = 8;
+
 /// The group of one manager, above those of its attempts.
 #[derive(Debug)]
 pub(super) struct Groups {
     path: PathBuf,
+    made: u64,
+    free: Vec<Group>,
 }
 
 impl Groups {
@@ -30,14 +37,18 @@ impl Groups {
     pub(super) fn make(run: &str) -> Result<Self, String> {
         let own = own_group()?;
         let path = own.join(format!("{PREFIX}{run}"));
-        let made = Self { path };
-        fs::create_dir(&made.path).map_err(|error| format!("{}: {error}", made.path.display()))?;
+        fs::create_dir(&path).map_err(|error| format!("{}: {error}", path.display()))?;
+        let mut groups = Self { path, made: 0, free: Vec::new() };
         for file in ["cgroup.freeze", "cgroup.kill"] {
-            if !made.path.join(file).exists() {
+            if !groups.path.join(file).exists() {
                 return Err(format!("the kernel has no {file}: it is older than Linux 5.14"));
             }
         }
-        Ok(made)
+        for _ in 0..KEPT {
+            let group = groups.another().map_err(|error| error.to_string())?;
+            groups.free.push(group);
+        }
+        Ok(groups)
     }
 
     pub(super) fn path(&self) -> &Path {
@@ -48,8 +59,23 @@ impl Groups {
     ///
     /// # Errors
     /// The kernel's.
-    pub(super) fn group(&self, serial: u64) -> io::Result<Group> {
-        let path = self.path.join(serial.to_string());
+    pub(super) fn group(&mut self) -> io::Result<Group> {
+        self.free.pop().map_or_else(|| self.another(), Ok)
+    }
+
+    /// Takes a group back that nobody is in. Not one that was killed: who
+    /// is forked into it later may be killed at birth: Linux 6.18 kills a child
+    /// if its group and its parent's were not killed equally often.
+    pub(super) fn keep(&mut self, group: Group) {
+        let usable = !group.killed.get() && !group.state().populated;
+        if usable && self.free.len() < KEPT && group.freeze(false).is_ok() {
+            self.free.push(group);
+        }
+    }
+
+    fn another(&mut self) -> io::Result<Group> {
+        let path = self.path.join(self.made.to_string());
+        self.made += 1;
         fs::create_dir(&path)?;
         let flags = OFlags::RDONLY | OFlags::DIRECTORY | OFlags::CLOEXEC;
         let open = || {
@@ -57,7 +83,9 @@ impl Groups {
             Ok((directory, File::open(path.join("cgroup.events"))?))
         };
         match open() {
-            Ok((directory, events)) => Ok(Group { path, directory, events }),
+            Ok((directory, events)) => {
+                Ok(Group { path, directory, events, killed: Cell::new(false) })
+            }
             Err(error) => {
                 let _ = fs::remove_dir(&path);
                 Err(error)
@@ -68,6 +96,7 @@ impl Groups {
 
 impl Drop for Groups {
     fn drop(&mut self) {
+        self.free.clear();
         // What is not empty stays, for the sweep of the next start.
         let _ = fs::remove_dir(&self.path);
     }
@@ -79,6 +108,7 @@ pub(super) struct Group {
     path: PathBuf,
     directory: OwnedFd,
     events: File,
+    killed: Cell<bool>,
 }
 
 /// What the kernel says of a group.
@@ -91,6 +121,13 @@ pub(super) struct GroupState {
 }
 
 impl Group {
+    /// Its name, which is nobody else's: that of its manager's group, and its
+    /// own.
+    pub(super) fn name(&self) -> String {
+        let parts = self.path.iter().rev().take(2).collect::<Vec<_>>();
+        parts.into_iter().rev().collect::<PathBuf>().display().to_string()
+    }
+
     /// Where a process is forked into.
     pub(super) fn directory(&self) -> BorrowedFd<'_> {
         self.directory.as_fd()
@@ -116,6 +153,7 @@ impl Group {
 
     /// Kills everything in it at once, a fork in progress included.
     pub(super) fn kill(&self) -> io::Result<()> {
+        self.killed.set(true);
         fs::write(self.path.join("cgroup.kill"), "1")
     }
 
@@ -129,17 +167,6 @@ impl Drop for Group {
     fn drop(&mut self) {
         let _ = fs::remove_dir(&self.path);
     }
-}
-
-/// Whether this is the group of the attempt with this mark: its run, a dot, and
-/// its serial number.
-pub(super) fn is_group_of(group: &str, mark: &str) -> bool {
-    let (Some((run, serial)), Some((above, own))) = (mark.split_once('.'), group.rsplit_once('/'))
-    else {
-        return false;
-    };
-    let above = above.rsplit('/').next().and_then(|name| name.strip_prefix(PREFIX));
-    own == serial && above == Some(run)
 }
 
 /// Whom a group and the groups below it hold.
@@ -197,14 +224,6 @@ fn mounted(line: &str, group: &str) -> Option<PathBuf> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_group_is_that_of_the_attempt_whose_mark_it_bears() {
-        assert!(is_group_of("/a/faregate-1f/7", "1f.7"));
-        for other in ["/faregate-1f/8", "/faregate-2f/7", "/1f/7", "/faregate-1f", "", "/7"] {
-            assert!(!is_group_of(other, "1f.7"), "{other}");
-        }
-    }
 
     #[test]
     fn a_group_is_found_below_the_root_that_is_mounted() {

@@ -17,13 +17,17 @@ use crate::manager::Exit;
 ///
 /// # Errors
 /// The kernel's, for the fork.
-pub(super) fn start(plan: &Plan<'_>, mark: String) -> io::Result<(Pid, OwnedFd)> {
+pub(super) fn start(
+    plan: &Plan<'_>,
+    mark: String,
+    group: Option<String>,
+) -> io::Result<(Pid, OwnedFd)> {
     // Held over the fork: to a census, or to somebody who reaps orphans, a
     // child that nobody knows is an orphan.
     let mut family = FAMILY.lock();
     let (pid, pidfd) = sys::spawn(plan)?;
     let main = pid.as_raw_nonzero().get();
-    family.insert(main, Kin::new(main, mark));
+    family.insert(main, Kin::new(main, mark, group));
     Ok((pid, pidfd))
 }
 

@@ -14,11 +14,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
+use std::path::Path;
 
 use parking_lot::Mutex;
 use rustix::process::{PidfdFlags, Signal, pidfd_open, pidfd_send_signal};
 
-use crate::bodies::cgroup;
 use crate::bodies::procfs::{self, Stat};
 
 /// The environment variable that marks what an attempt has started: the run of
@@ -33,6 +33,7 @@ pub(super) static FAMILY: Mutex<BTreeMap<i32, Kin>> = Mutex::new(BTreeMap::new()
 #[derive(Debug)]
 pub(super) struct Kin {
     mark: String,
+    group: Option<String>,
     known: BTreeMap<i32, u64>,
     sessions: BTreeSet<i32>,
 }
@@ -40,15 +41,15 @@ pub(super) struct Kin {
 impl Kin {
     /// A main process leads a session of its own, from before its program is
     /// executed.
-    pub(super) fn new(main: i32, mark: String) -> Self {
-        Self { mark, known: BTreeMap::new(), sessions: BTreeSet::from([main]) }
+    pub(super) fn new(main: i32, mark: String, group: Option<String>) -> Self {
+        Self { mark, group, known: BTreeMap::new(), sessions: BTreeSet::from([main]) }
     }
 
     fn claims(&self, orphan: &Stat, mark: Option<&str>, group: &str) -> bool {
         self.known.get(&orphan.pid) == Some(&orphan.start)
             || self.sessions.contains(&orphan.session)
             || mark == Some(&self.mark)
-            || cgroup::is_group_of(group, &self.mark)
+            || self.group.as_deref().is_some_and(|own| Path::new(group).ends_with(own))
     }
 }
 
@@ -75,13 +76,17 @@ enum Origin {
 }
 
 impl Census {
-    /// Looks at all processes of the host.
+    /// Looks at all processes of the host; or, where a control group has the
+    /// attempt's processes and only who has left it is looked for, at this
+    /// program's descendants.
     ///
     /// # Timing
-    /// Three system calls for each process of the host.
-    pub(super) fn take() -> Self {
+    /// Three system calls for each process of the host; or some more for each
+    /// thread of this program and each descendant.
+    pub(super) fn take(whole_host: bool) -> Self {
         let me = rustix::process::getpid().as_raw_nonzero().get();
-        let all = settled(procfs::everybody(), me);
+        let family = if whole_host { None } else { procfs::family_of(me) };
+        let all = settled(family.unwrap_or_else(procfs::everybody), me);
         let own_session = all.iter().find(|stat| stat.pid == me).map_or(0, |stat| stat.session);
         let tree = Tree::new(&all);
         let mut family = FAMILY.lock();

@@ -4,15 +4,17 @@ use std::env;
 use std::ffi::{CString, OsString};
 use std::fs::{self, File};
 use std::io;
-use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
+use std::os::fd::{AsFd, OwnedFd};
 use std::os::unix::ffi::OsStringExt;
 use std::path::{Path, PathBuf};
 
+use rustix::event::{PollFd, PollFlags, poll};
 use rustix::fs::{Access, OFlags, access, fcntl_setfl};
 use rustix::io::{Errno, fcntl_dupfd_cloexec};
 use rustix::pipe::{PipeFlags, pipe_with};
 use rustix::process::Pid;
 
+use crate::bodies::cgroup::Group;
 use crate::bodies::children;
 use crate::bodies::family::MARK;
 use crate::bodies::sys::{Failure, PORT, Plan, Step};
@@ -35,7 +37,7 @@ pub(super) struct Order<'a> {
     pub(super) attempt: Attempt,
     pub(super) mark: String,
     pub(super) port: Option<OwnedFd>,
-    pub(super) group: Option<BorrowedFd<'a>>,
+    pub(super) group: Option<&'a Group>,
 }
 
 /// Everything that a fork needs.
@@ -45,7 +47,7 @@ pub(super) struct Prepared<'a> {
     environment: Vec<CString>,
     pipes: Pipes,
     mark: String,
-    group: Option<BorrowedFd<'a>>,
+    group: Option<&'a Group>,
 }
 
 /// What was started.
@@ -94,9 +96,9 @@ impl<'a> Prepared<'a> {
             errors: pipes.errors.1.as_fd(),
             port: pipes.port.as_ref().map(AsFd::as_fd),
             failure: pipes.failure.1.as_fd(),
-            group: self.group,
+            group: self.group.map(Group::directory),
         };
-        let (pid, pidfd) = children::start(&plan, self.mark)
+        let (pid, pidfd) = children::start(&plan, self.mark, self.group.map(Group::name))
             .map_err(|error| format!("the host forks no process: {error}"))?;
         Ok(Started { pid, pidfd, failure: pipes.failure.0 })
     }
@@ -104,6 +106,33 @@ impl<'a> Prepared<'a> {
 
 fn text(text: Vec<u8>) -> Result<CString, String> {
     CString::new(text).map_err(|_| "there is a zero byte in its arguments".to_owned())
+}
+
+/// Whether who is forked into the group lives. A host may kill it at birth: one
+/// that has killed the group of this program before, and then had this program
+/// started in it.
+pub(super) fn lives_in(group: &Group) -> Result<(), String> {
+    let failed = |error: io::Error| format!("{}: {error}", group.name());
+    let pipes = Pipes::open(None).map_err(failed)?;
+    let plan = Plan {
+        // What nobody can execute: the child says so, and ends.
+        program: c"/",
+        arguments: &[],
+        environment: &[],
+        input: pipes.input.as_fd(),
+        output: pipes.output.1.as_fd(),
+        errors: pipes.errors.1.as_fd(),
+        port: None,
+        failure: pipes.failure.1.as_fd(),
+        group: Some(group.directory()),
+    };
+    let (pid, pidfd) = children::start(&plan, String::new(), Some(group.name())).map_err(failed)?;
+    let _ = poll(&mut [PollFd::new(&pidfd, PollFlags::IN)], None);
+    children::reap(pid, &pidfd);
+    match why_not_executed(&pipes.failure.0, "/") {
+        Some(_) => Ok(()),
+        None => Err("the host kills what is forked into a control group below its own".into()),
+    }
 }
 
 /// Why the child never became its program; `None`: it did.

@@ -20,7 +20,6 @@ use rustix::process::{Pid, Signal, pidfd_send_signal};
 
 use crate::bodies::cgroup::Group;
 use crate::bodies::children;
-use crate::bodies::family::Census;
 use crate::bodies::launch::{self, Started};
 use crate::bodies::output::{Capture, Output};
 use crate::manager::{Exit, Stop};
@@ -119,7 +118,7 @@ impl Process {
     /// share count twice.
     pub(super) fn memory(&self) -> u64 {
         let page = u64::try_from(rustix::param::page_size()).unwrap_or(4096);
-        let living = self.living(&Census::take());
+        let living = self.living(&self.census());
         living.iter().map(|stat| stat.resident_pages.saturating_mul(page)).sum()
     }
 
@@ -225,6 +224,11 @@ impl Process {
         let Some(exit) = self.exit.clone() else { return Became::Same };
         let not_executed = launch::why_not_executed(&self.failure, &self.program);
         Became::Over(not_executed.map_or(exit, Exit::NotStarted))
+    }
+
+    /// Its group, which nobody is in any more.
+    pub(super) fn take_group(&mut self) -> Option<Group> {
+        self.group.take()
     }
 
     /// Gives its number back to the host.

@@ -9,7 +9,7 @@ use std::path::Path;
 use rustix::event::{PollFd, PollFlags, Timespec, epoll, poll};
 use rustix::process::Pid;
 
-use crate::bodies::cgroup::{Group, Groups};
+use crate::bodies::cgroup::Groups;
 use crate::bodies::children::{self, Bell};
 use crate::bodies::family;
 use crate::bodies::launch::{Order, Prepared};
@@ -78,18 +78,17 @@ impl Processes {
         let port = self.ports.open(attempt).map_err(|error| format!("no command port: {error}"))?;
         let mark = self.run.mark(serial);
         let order = Order { program, arguments, attempt, mark, port, group: None };
-        let process = self.fork(serial, order).inspect_err(|_| self.ports.close(attempt))?;
+        let process = self.fork(order).inspect_err(|_| self.ports.close(attempt))?;
         self.watch(serial, &process);
         self.live.insert(attempt, (serial, process));
         Ok(())
     }
 
-    fn fork(&mut self, serial: u64, order: Order<'_>) -> Result<Process, String> {
+    fn fork(&mut self, order: Order<'_>) -> Result<Process, String> {
         let (attempt, program) = (order.attempt, order.program);
-        let group = self.run.groups.as_ref().ok().map(|groups| groups.group(serial)).transpose();
+        let group = self.run.groups.as_mut().ok().map(Groups::group).transpose();
         let group = group.map_err(|error| format!("no control group: {error}"))?;
-        let directory = group.as_ref().map(Group::directory);
-        let mut prepared = Prepared::new(Order { group: directory, ..order })?;
+        let mut prepared = Prepared::new(Order { group: group.as_ref(), ..order })?;
         let capture = prepared.outputs().map(|(out, err)| self.scribe.capture(out, err));
         let capture = capture.transpose().map_err(|error| format!("no output: {error}"))?;
         self.settings.probe.passes(Moment::Fork, attempt);
@@ -110,10 +109,9 @@ impl Processes {
         let data = epoll::EventData::new_u64(serial);
         let _ = epoll::add(&self.epoll, process.pidfd(), data, epoll::EventFlags::IN);
         if let Some(events) = process.group_events() {
-            // Told once for each change: else the file would be ready until it is
-            // read, which is only done for a group that is being stopped.
-            let once = epoll::EventFlags::PRI | epoll::EventFlags::ET;
-            let _ = epoll::add(&self.epoll, events, data, once);
+            // Each change once: a state that nobody wants to know stays unread.
+            let changes = epoll::EventFlags::PRI | epoll::EventFlags::ET;
+            let _ = epoll::add(&self.epoll, events, data, changes);
         }
     }
 
@@ -209,7 +207,11 @@ impl Processes {
         self.settings.probe.passes(Moment::Reap, attempt);
         process.reap();
         self.settings.probe.passes(Moment::Reaped, attempt);
-        Some(process.printed())
+        let output = process.printed();
+        if let (Ok(groups), Some(group)) = (&mut self.run.groups, process.take_group()) {
+            groups.keep(group);
+        }
+        Some(output)
     }
 }
 

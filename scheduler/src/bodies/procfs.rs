@@ -52,6 +52,37 @@ pub(super) fn everybody() -> Vec<Stat> {
     pids.filter_map(Stat::of).collect()
 }
 
+/// This process and its descendants, at the cost of these alone. Where a child
+/// ends while it is read, another may be passed over. `None`: the kernel keeps
+/// no lists of children.
+pub(super) fn family_of(me: i32) -> Option<Vec<Stat>> {
+    children(me)?;
+    let mut found = vec![Stat::of(me)?];
+    let mut next = 0;
+    while let Some(pid) = found.get(next).map(|stat| stat.pid) {
+        found.extend(children(pid).into_iter().flatten().filter_map(Stat::of));
+        next += 1;
+    }
+    Some(found)
+}
+
+/// Each thread of a process has children of its own.
+fn children(pid: i32) -> Option<Vec<i32>> {
+    let mut found: Vec<i32> = Vec::new();
+    for thread in fs::read_dir(format!("/proc/{pid}/task")).ok()?.flatten() {
+        match fs::read_to_string(thread.path().join("children")) {
+            Ok(pids) => {
+                found.extend(pids.split_whitespace().filter_map(|pid| pid.parse::<i32>().ok()))
+            }
+            Err(error) if error.kind() == io::ErrorKind::NotFound && thread.path().exists() => {
+                return None;
+            }
+            Err(_) => {}
+        }
+    }
+    Some(found)
+}
+
 /// Whether no thread of the process executes another instruction of its program
 /// before it is let go on: each is stopped or dead, or inside the kernel, where
 /// a signal to stop awaits it. (A shell that waits for the child that it has
@@ -177,6 +208,25 @@ mod tests {
         let parent = rustix::process::getppid().map(|pid| pid.as_raw_nonzero().get());
         assert_eq!(Some(stat.parent), parent);
         assert!(!stat.is_dead() && stat.is_still_there() && !stands_still(me));
+    }
+
+    #[test]
+    fn a_child_is_found_by_either_way() {
+        let mut child = std::process::Command::new("sleep").arg("60").spawn().unwrap();
+        let me = rustix::process::getpid().as_raw_nonzero().get();
+        let sees = |all: Vec<Stat>| {
+            all.iter().any(|stat| Some(stat.pid) == child.id().try_into().ok() && stat.parent == me)
+        };
+        assert!(sees(everybody()));
+        match family_of(me) {
+            Some(family) => {
+                assert!(sees(family.clone()));
+                assert!(family.iter().all(|stat| stat.pid != 1), "it is not the family alone");
+            }
+            None => println!("skipped: this kernel keeps no lists of children"),
+        }
+        child.kill().unwrap();
+        child.wait().unwrap();
     }
 
     #[test]

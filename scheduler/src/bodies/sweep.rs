@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::bodies::cgroup::{self, Groups};
 use crate::bodies::family::MARK;
+use crate::bodies::launch;
 use crate::bodies::procfs::{self, Stat};
 use crate::bodies::settings::Settings;
 
@@ -59,7 +60,12 @@ impl Run {
         let swept = settings.state.as_deref().map(sweep).transpose()?.unwrap_or_default();
         let id = fs::read_to_string("/proc/sys/kernel/random/uuid")?.trim().to_owned();
         let groups = if settings.control_groups {
-            Groups::make(&id)
+            Groups::make(&id).and_then(|mut groups| {
+                let group = groups.group().map_err(|error| error.to_string())?;
+                launch::lives_in(&group)?;
+                groups.keep(group);
+                Ok(groups)
+            })
         } else {
             Err("they are not to be used".to_owned())
         };
@@ -125,9 +131,11 @@ pub fn sweep(state: &Path) -> io::Result<Vec<Swept>> {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
         Err(error) => return Err(error),
     };
-    let run: Written = serde_json::from_slice(&text)?;
     let mut swept = Vec::new();
-    if run.boot == boot()? {
+    // A file is whole as long as the host runs. One that is not has come
+    // through a loss of power, which no process has.
+    let run = serde_json::from_slice::<Written>(&text).ok();
+    if let Some(run) = run.filter(|run| boot().is_ok_and(|boot| run.boot == boot)) {
         run.is_over()?;
         run.kill_all(&mut swept)?;
         if let Some(group) = &run.control_group {

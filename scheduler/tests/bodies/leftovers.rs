@@ -94,3 +94,30 @@ fn a_manager_that_ends_leaves_nothing_to_sweep() {
     drop(bench);
     assert_eq!(std::fs::read_dir(state.path()).unwrap().count(), 0);
 }
+
+#[test]
+fn a_file_that_a_loss_of_power_has_torn_keeps_nobody_from_starting() {
+    let state = tempfile::tempdir().unwrap();
+    let file = state.path().join("bodies.json");
+    for torn in ["", "{\"run\":\"8319", "\0\0\0"] {
+        std::fs::write(&file, torn).unwrap();
+        assert_eq!(sweep(state.path()).unwrap(), []);
+        assert!(!file.exists());
+    }
+}
+
+#[test]
+fn processes_of_an_earlier_boot_are_nobodys() {
+    let state = tempfile::tempdir().unwrap();
+    let settings = Settings { state: Some(state.path().into()), ..Settings::default() };
+    let mut bench = Bench::new(settings);
+    let attempt = bench.start(shell("sleep 60"));
+    let file = state.path().join("bodies.json");
+    let boot = std::fs::read_to_string("/proc/sys/kernel/random/boot_id").unwrap();
+    let written = std::fs::read_to_string(&file).unwrap();
+    let earlier = written.replace(boot.trim(), "00000000-0000-0000-0000-000000000000");
+    assert_ne!(earlier, written);
+    std::fs::write(&file, earlier).unwrap();
+    assert_eq!(sweep(state.path()).unwrap(), []);
+    assert!(lives(bench.bodies.pid(attempt).unwrap()));
+}

@@ -215,3 +215,19 @@ fn nothing_is_told_of_a_stop_that_nobody_waits_for() {
         assert!(!bench.told().contains(&Event::Stopped { attempt }));
     });
 }
+
+#[test]
+fn a_process_that_runs_wakes_nobody() {
+    use rustix::event::{PollFd, PollFlags, Timespec, poll};
+    both_ways(|mut bench| {
+        let attempt = bench.start(shell("echo ready; exec sleep 60"));
+        bench.line(attempt);
+        let moment = Timespec { tv_sec: 0, tv_nsec: 20_000_000 };
+        // Other tests' children ring the bell as well, but not all the time.
+        let quiet = (0..1000).any(|_| {
+            bench.bodies_poll();
+            poll(&mut [PollFd::new(&bench.bodies, PollFlags::IN)], Some(&moment)) == Ok(0)
+        });
+        assert!(quiet, "the manager's thread never sleeps");
+    });
+}

@@ -6,7 +6,7 @@ use std::time;
 use faregate_scheduler::manager::Exit;
 use faregate_scheduler::time::Duration;
 
-use super::bench::{both_ways, shell};
+use super::bench::{Bench, both_ways, shell};
 use super::look::{lives, marked, real_time, seen, ticks, until};
 
 /// A loop that uses processor time as long as it runs.
@@ -108,26 +108,40 @@ fn nothing_outlives_the_main_process() {
     });
 }
 
+/// Each generation starts the next one and ends.
+fn generations(bench: &mut Bench, generation: &str) {
+    let word = word("generations");
+    let script = format!("export {word}; python3 -c '{generation}'; echo begun; sleep 60");
+    let attempt = bench.start(shell(&script));
+    bench.line(attempt);
+    // The sleep, and a generation.
+    everybody(&word, 2);
+    bench.pause(attempt);
+    let still = marked(&word);
+    assert!(still.len() >= 2, "the control is lost: nobody is there to go on");
+    real_time(time::Duration::from_millis(50));
+    assert_eq!(marked(&word), still, "it goes on from one to the next");
+    bench.resume(attempt);
+    until("it goes on", || (marked(&word) != still).then_some(()));
+    assert_eq!(bench.kill(attempt, Duration::ZERO), Exit::Signal(9));
+    assert_eq!(marked(&word), BTreeSet::new());
+}
+
 #[test]
 fn generations_that_live_shortly_are_paused_and_killed() {
     both_ways(|mut bench| {
-        let word = word("generations");
-        // Each generation starts the next one and ends.
-        let generation = "import os\nwhile True:\n if os.fork(): os._exit(0)\n";
-        let script = format!("export {word}; python3 -c '{generation}'; echo begun; sleep 60");
-        let attempt = bench.start(shell(&script));
-        bench.line(attempt);
-        // The sleep, and a generation.
-        everybody(&word, 2);
-        bench.pause(attempt);
-        let still = marked(&word);
-        assert!(still.len() >= 2, "the control is lost: nobody is there to go on");
-        real_time(time::Duration::from_millis(50));
-        assert_eq!(marked(&word), still, "it goes on from one to the next");
-        bench.resume(attempt);
-        until("it goes on", || (marked(&word) != still).then_some(()));
-        assert_eq!(bench.kill(attempt, Duration::ZERO), Exit::Signal(9));
-        assert_eq!(marked(&word), BTreeSet::new());
+        generations(&mut bench, "import os\nwhile True:\n if os.fork(): os._exit(0)\n");
+    });
+}
+
+#[test]
+fn generations_that_each_leave_the_session_do_not_leave_their_control_group() {
+    let generation = "import os\nwhile True:\n if os.fork(): os._exit(0)\n os.setsid()\n";
+    both_ways(|mut bench| {
+        // Without a group they are not caught for sure.
+        if bench.bodies.control_group().is_ok() {
+            generations(&mut bench, generation);
+        }
     });
 }
 

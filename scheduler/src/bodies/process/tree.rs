@@ -14,6 +14,10 @@ use crate::bodies::family::{Census, signal};
 use crate::bodies::procfs::{self, Stat};
 
 impl Process {
+    pub(super) fn census(&self) -> Census {
+        Census::take(self.group.is_none())
+    }
+
     /// Everything of it that lives, by either list.
     pub(super) fn living(&self, census: &Census) -> Vec<Stat> {
         let mut living = census.of(self.main()).to_vec();
@@ -25,7 +29,7 @@ impl Process {
     }
 
     pub(super) fn signal_all(&self, number: Signal) {
-        for stat in self.living(&Census::take()) {
+        for stat in self.living(&self.census()) {
             signal(&stat, number);
         }
     }
@@ -41,7 +45,7 @@ impl Process {
     /// Whether nothing of it runs. Who still runs is signalled again.
     pub(super) fn is_still(&mut self) -> bool {
         let frozen = self.frozen();
-        let census = Census::take();
+        let census = self.census();
         census.kill_strays();
         let mut still = census.is_settled() && (!self.freezes || frozen.is_some());
         let frozen = frozen.unwrap_or_default();
@@ -91,7 +95,7 @@ impl Process {
         if let Some(group) = self.group.as_ref().filter(|_| populated) {
             let _ = group.kill();
         }
-        let census = Census::take();
+        let census = self.census();
         census.kill_strays();
         let living = self.living(&census);
         for stat in &living {
