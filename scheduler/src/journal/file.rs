@@ -4,12 +4,17 @@ use std::fs::{DirBuilder, File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::os::unix::fs::{DirBuilderExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use crate::journal::JournalError;
 use crate::journal::points::{self, Point};
 use crate::journal::storage::{Boot, Storage, StoredFile};
 
 const LOCK: &str = "lock";
+
+/// How long whoever a dead manager was forking may take to die. Far longer than
+/// it does.
+const CHILDREN_DIE_WITHIN: Duration = Duration::from_secs(5);
 
 /// A directory that nobody else has, for as long as this value lives.
 #[derive(Debug)]
@@ -40,21 +45,51 @@ fn make(path: &Path) -> io::Result<()> {
     }
 }
 
+/// Takes the lock. One whose owner is dead is about to be free: a child that it
+/// was just forking has it too, until it is its program or dies.
 fn lock(path: &Path) -> Result<File, JournalError> {
-    let failed = JournalError::storage("locking", LOCK);
+    let since = Instant::now();
+    loop {
+        match try_lock(path) {
+            Ok((file, Ok(()))) => return Ok(file),
+            Ok((mut file, Err(TryLockError::WouldBlock))) => {
+                let by = signature(&mut file);
+                if owner_lives(&by) || since.elapsed() > CHILDREN_DIE_WITHIN {
+                    return Err(JournalError::InUse { path: path.to_owned(), by });
+                }
+                wait();
+            }
+            Ok((_, Err(TryLockError::Error(error)))) | Err(error) => {
+                return Err(JournalError::storage("locking", LOCK)(error));
+            }
+        }
+    }
+}
+
+fn try_lock(path: &Path) -> io::Result<(File, Result<(), TryLockError>)> {
     let mut options = OpenOptions::new();
     let options = options.read(true).write(true).create(true).truncate(false).mode(0o600);
-    let mut file = match options.open(path.join(LOCK)) {
-        Ok(file) => file,
-        Err(error) => return Err(failed(error)),
-    };
-    match file.try_lock() {
-        Ok(()) => sign(&mut file).map(|()| file).map_err(failed),
-        Err(TryLockError::WouldBlock) => {
-            Err(JournalError::InUse { path: path.to_owned(), by: signature(&mut file) })
-        }
-        Err(TryLockError::Error(error)) => Err(failed(error)),
+    let mut file = options.open(path.join(LOCK))?;
+    let locked = file.try_lock();
+    if locked.is_ok() {
+        sign(&mut file)?;
     }
+    Ok((file, locked))
+}
+
+/// Whether the process that signed is one that can do anything.
+fn owner_lives(signature: &str) -> bool {
+    let process = signature.split(' ').nth(1).and_then(|number| number.parse::<u32>().ok());
+    let Some(process) = process else { return true };
+    let Ok(stat) = std::fs::read_to_string(format!("/proc/{process}/stat")) else { return false };
+    // The name of the program, in parentheses, comes before its state.
+    let state = stat.rsplit_once(") ").map(|(_, rest)| rest.as_bytes().first().copied());
+    !matches!(state, Some(Some(b'Z' | b'X')))
+}
+
+#[expect(clippy::disallowed_methods, reason = "another process is waited for, in real time")]
+fn wait() {
+    std::thread::sleep(Duration::from_millis(1));
 }
 
 fn sign(file: &mut File) -> io::Result<()> {

@@ -20,6 +20,38 @@ fn two_managers_never_share_a_journal() {
     Journal::open(&path, ALONE).expect("nobody has it any more");
 }
 
+/// A child that a killed manager was forking has the lock for a moment longer:
+/// here one that is our own, and signed by somebody who is no more.
+#[test]
+fn the_lock_of_a_dead_manager_is_waited_for() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("journal");
+    drop(Journal::open(&path, ALONE).unwrap());
+    let dead = std::process::Command::new("true").spawn().and_then(|mut child| {
+        let number = child.id();
+        child.wait().map(|_| number)
+    });
+    let lock = path.join("lock");
+    std::fs::write(&lock, format!("process {} (true)\n", dead.unwrap())).unwrap();
+    let held = std::fs::File::open(&lock).unwrap();
+    held.lock().unwrap();
+    std::thread::scope(|scope| {
+        let opening = scope.spawn(|| Journal::open(&path, ALONE).map(|_| ()));
+        while descriptors_of(&lock) < 2 && !opening.is_finished() {
+            std::thread::yield_now();
+        }
+        drop(held);
+        opening.join().unwrap().expect("it waited");
+    });
+}
+
+/// How many descriptors of this process are of this file.
+fn descriptors_of(file: &std::path::Path) -> usize {
+    let descriptors = std::fs::read_dir("/proc/self/fd").unwrap();
+    let target = |entry: std::fs::DirEntry| std::fs::read_link(entry.path()).ok();
+    descriptors.filter_map(|entry| target(entry.ok()?)).filter(|target| target == file).count()
+}
+
 #[test]
 fn only_its_owner_reads_a_journal() {
     let directory = tempfile::tempdir().unwrap();
