@@ -55,7 +55,7 @@ use std::sync::Arc;
 
 pub use error::JournalError;
 pub use open::Opened;
-pub use replay::{Replay, replay};
+pub use replay::{Replay, replay, replay_bytes};
 
 use crate::executive::JournalSink;
 use crate::manager::{Record, Restored};

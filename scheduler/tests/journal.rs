@@ -8,6 +8,8 @@ mod compaction;
 mod damage;
 #[path = "journal/files.rs"]
 mod files;
+#[path = "journal/format.rs"]
+mod format;
 #[path = "journal/power.rs"]
 mod power;
 #[path = "journal/records.rs"]

@@ -54,4 +54,6 @@ pub(super) struct Kept {
     pub(super) armed: Option<Occurrence>,
     /// Power was lost while it was armed.
     pub(super) armed_in_vain: bool,
+    /// A task that it cleans up after has failed, and it has not begun since.
+    pub(super) has_to_clean: bool,
 }

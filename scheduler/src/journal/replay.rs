@@ -20,6 +20,18 @@ pub fn replay(records: impl IntoIterator<Item = Record>) -> Restored {
     replay.into_restored()
 }
 
+/// The same for records that stand encoded in these bytes, one after the other,
+/// up to the first that is none. Any bytes will do: it is how a test tries them.
+#[must_use]
+pub fn replay_bytes(mut bytes: &[u8]) -> Restored {
+    let mut replay = Replay::default();
+    while let Ok((record, rest)) = postcard::take_from_bytes(bytes) {
+        replay.apply(record);
+        bytes = rest;
+    }
+    replay.into_restored()
+}
+
 /// Adds records up, one after the other.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Replay {
@@ -141,6 +153,7 @@ impl Replay {
             running: None,
             armed: None,
             armed_in_vain: false,
+            has_to_clean: false,
             task,
         };
         self.insert(kept);
@@ -219,6 +232,7 @@ impl Replay {
     fn start(&mut self, attempt: Attempt) {
         if let Some(kept) = self.of(attempt.occurrence) {
             kept.running = Some(attempt);
+            kept.has_to_clean = false;
             kept.attempts = kept.attempts.max(attempt.number);
             kept.armed = None;
             kept.armed_in_vain = false;
@@ -248,6 +262,10 @@ impl Replay {
         kept.running = kept.running.filter(|attempt| attempt.occurrence.number > number);
         kept.armed = kept.armed.filter(|armed| armed.number > number);
         kept.armed_in_vain &= kept.armed.is_some();
+        let cleanup = kept.task.cleanup.filter(|_| is_cleaned_up_after(outcome));
+        if let Some(cleanup) = cleanup.and_then(|id| self.tasks.get_mut(&id)) {
+            cleanup.has_to_clean = true;
+        }
         self.forget(occurrence.task);
     }
 
@@ -262,6 +280,10 @@ impl Replay {
         let live = self.tasks.values().filter(|kept| !kept.removed);
         live.filter_map(|kept| kept.task.cleanup).collect()
     }
+}
+
+const fn is_cleaned_up_after(outcome: Outcome) -> bool {
+    matches!(outcome, Outcome::Failed | Outcome::Aborted)
 }
 
 /// The tasks that this one asks for.
@@ -282,5 +304,6 @@ fn restored_task(kept: Kept, is_cleanup: bool) -> RestoredTask {
         attempts: kept.attempts,
         interrupted: kept.running,
         may_have_started: kept.armed_in_vain && kept.running.is_none(),
+        has_to_clean: kept.has_to_clean,
     }
 }

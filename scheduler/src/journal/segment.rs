@@ -4,8 +4,8 @@ use crate::journal::JournalError;
 use crate::journal::entry::Entry;
 use crate::journal::frame;
 
-/// The version of everything behind the head: bump it with any change of
-/// [`Entry`], and of what it holds.
+/// The version of everything behind the head. It changes with [`Entry`] and all
+/// that it holds; a test has a log of this one.
 pub(super) const VERSION: u32 = 1;
 /// How long a file's head is.
 pub(super) const HEAD: usize = 24;

@@ -157,7 +157,7 @@ impl Step<'_> {
         }
     }
 
-    fn begin_cleaning(&mut self, index: u32) {
+    pub(crate) fn begin_cleaning(&mut self, index: u32) {
         let now = self.now;
         let Some(entry) = self.entry_mut(index) else { return };
         entry.next = entry.current.saturating_add(1);

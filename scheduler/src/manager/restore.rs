@@ -17,6 +17,7 @@ struct Past {
     attempts: u32,
     interrupted: Option<Attempt>,
     may_have_started: bool,
+    has_to_clean: bool,
 }
 
 impl Step<'_> {
@@ -56,6 +57,7 @@ impl Step<'_> {
             attempts: restored.attempts,
             interrupted: restored.interrupted,
             may_have_started: restored.may_have_started,
+            has_to_clean: restored.has_to_clean,
         };
         let wall = accepted.as_micros();
         let ago = self.now.wall.saturating_sub(wall);
@@ -85,7 +87,7 @@ impl Step<'_> {
         if past.interrupted.is_some() || past.may_have_started || past.attempts > 0 {
             self.go_on_with(index, number, past);
         } else if self.entry(index).is_some_and(|entry| entry.cleans_up) {
-            self.rest_at(index, number);
+            self.clean_from(index, number, past.has_to_clean);
         } else {
             self.follow_from(index, number);
         }
@@ -121,6 +123,19 @@ impl Step<'_> {
         if let Some(entry) = self.entry_mut(index) {
             entry.current = number;
             entry.next = number;
+        }
+    }
+
+    /// Nothing is cleaned up at present. It may have to be: since before, or
+    /// since one that was interrupted has failed just now.
+    fn clean_from(&mut self, index: u32, number: u64, has_to: bool) {
+        let waits = self.entry(index).is_some_and(|entry| !entry.is_resting());
+        if waits {
+            return;
+        }
+        self.rest_at(index, number);
+        if has_to {
+            self.begin_cleaning(index);
         }
     }
 

@@ -40,4 +40,7 @@ pub struct RestoredTask {
     /// Whether the occurrence was to start without a sync and may have started:
     /// true only after a power loss.
     pub may_have_started: bool,
+    /// Whether a task that it cleans up after has failed or was aborted, and it
+    /// has not begun to since.
+    pub has_to_clean: bool,
 }

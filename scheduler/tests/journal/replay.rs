@@ -1,6 +1,6 @@
 //! What records add up to, rule by rule.
 
-use faregate_scheduler::journal::replay;
+use faregate_scheduler::journal::{replay, replay_bytes};
 use faregate_scheduler::manager::{Attempt, Record, RestoredTask};
 use faregate_scheduler::task::{Dependency, Outcome, Status, Task, TaskPriority};
 use faregate_scheduler::time::UnixTime;
@@ -78,6 +78,18 @@ fn a_cleanup_task_is_not_over_when_it_ran() {
     assert!(!restored.tasks[1].over);
 }
 
+/// From the failure until the cleanup begins; a success asks for none.
+#[test]
+fn a_cleanup_that_was_not_begun_is_remembered() {
+    let cleaned = Task { cleanup: Some(id(2)), ..task(1) };
+    let records = [accepted(cleaned), accepted(task(2)), ended(1, Outcome::Aborted)];
+    let has_to = |records: Vec<Record>| replay(records).tasks[1].has_to_clean;
+    assert!(has_to(records.to_vec()));
+    assert!(!has_to(records.iter().cloned().chain([starting(2)]).collect()));
+    let [cleaned, cleanup, _] = records;
+    assert!(!has_to(vec![cleaned, cleanup, ended(1, Outcome::Succeeded)]));
+}
+
 #[test]
 fn attempts_count_until_the_occurrence_ends() {
     let second = Attempt { number: 2, ..attempt(1, 1) };
@@ -123,4 +135,23 @@ fn modes_come_back_in_the_order_in_which_they_were_entered() {
 #[test]
 fn records_of_nobody_say_nothing() {
     assert!(replay([armed(1), starting(1), over(1), removed(1)]).tasks.is_empty());
+}
+
+/// Any bytes are some records, or none; never a panic. What is encoded is read.
+#[test]
+fn any_bytes_are_replayed() {
+    let mut random = fastrand::Rng::with_seed(5);
+    let mut read = 0;
+    for _ in 0..3_000 {
+        let records: Vec<_> = (0..5).map(|_| crate::records::any(&mut random)).collect();
+        let mut bytes: Vec<u8> =
+            records.iter().flat_map(|record| postcard::to_stdvec(record).unwrap()).collect();
+        assert_eq!(replay_bytes(&bytes), replay(records));
+        for _ in 0..random.u8(1..8) {
+            let at = random.usize(..bytes.len());
+            bytes[at] = random.u8(..);
+        }
+        read += replay_bytes(&bytes).tasks.len();
+    }
+    assert!(read > 100, "only {read} tasks were read");
 }

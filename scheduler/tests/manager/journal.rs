@@ -129,6 +129,7 @@ fn restored(task: Task) -> RestoredTask {
         attempts: 0,
         interrupted: None,
         may_have_started: false,
+        has_to_clean: false,
     }
 }
 
@@ -223,4 +224,27 @@ fn a_held_task_stays_held_and_an_ended_one_ended() {
     let world = after(over, 10, 60.0);
     assert!(world.log.lines.is_empty());
     assert!(world.manager().is_over());
+}
+
+/// What cleans up after a task that failed does so, whenever the manager died.
+#[test]
+fn a_cleanup_is_not_forgotten() {
+    let cleaned = task(1, 5.0).with(|task| task.cleanup = Some(id(9)));
+    let pair = |cleaned: RestoredTask, has_to_clean| {
+        let cleanup = RestoredTask { position: 1, has_to_clean, ..restored(task(9, 1.0)) };
+        let tasks = vec![cleaned, cleanup];
+        let restored = Restored { tasks, modes: vec![], next_position: 2 };
+        let mut world = World::restored(Mission::default(), restored, 10);
+        world.until(60.0);
+        world.lines(&["started"]).into_iter().map(str::to_owned).collect::<Vec<_>>()
+    };
+    let attempt = Attempt { occurrence: occurrence(0), number: 1 };
+    let interrupted =
+        RestoredTask { attempts: 1, interrupted: Some(attempt), ..restored(cleaned.clone()) };
+    let cleans = ["0.000 task 9 attempt 1 started"];
+    assert_eq!(pair(interrupted, false), cleans, "it failed because the manager died");
+    let failed =
+        RestoredTask { over: true, ended: Some((0, Outcome::Failed)), ..restored(cleaned) };
+    assert_eq!(pair(failed.clone(), true), cleans, "the manager died before it cleaned up");
+    assert!(pair(failed, false).is_empty(), "it was cleaned up");
 }
