@@ -1,0 +1,104 @@
+//! A camera: a file that says whether it is on. It outlives managers, as
+//! hardware does.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use faregate_scheduler::tickets::Named;
+use faregate_tickets::Device;
+use faregate_tickets::amount::Milliwatts;
+use faregate_tickets::clock::Duration;
+use faregate_tickets::device::{Declaration, Effect, Power, Profile, WhenOrphaned};
+
+use crate::truth::{Chronicle, Fact};
+use crate::{Break, Failure};
+
+/// Its gate's name.
+pub(crate) const CAMERA: &str = "camera";
+
+const DRAW: Milliwatts = Milliwatts::from_watts(8);
+/// Longer than a loaded machine lets anybody wait.
+const LONG: Duration = Duration::from_secs(20);
+
+fn file(place: &Path) -> PathBuf {
+    place.join(CAMERA)
+}
+
+/// What its sensor says.
+pub(crate) fn measure(place: &Path) -> Power {
+    if is_on(place) { Power::On } else { Power::Off }
+}
+
+pub(crate) fn is_on(place: &Path) -> bool {
+    file(place).exists()
+}
+
+/// The driver.
+pub(crate) struct Camera {
+    file: PathBuf,
+    chronicle: Chronicle,
+    when_orphaned: WhenOrphaned,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Switch {
+    On,
+    Off,
+}
+
+pub(crate) fn driver(place: &Path, broken: Option<Break>) -> Result<Named<Camera>, Failure> {
+    let when_orphaned = match broken {
+        Some(Break::LeftOn) => WhenOrphaned::KeepUntilNeeded,
+        _ => WhenOrphaned::SafeAtOnce,
+    };
+    let chronicle = Chronicle::open(place)?;
+    let camera = Camera { file: file(place), chronicle, when_orphaned };
+    let named = Named::new(camera);
+    Ok(named.command("on", Switch::On, "turn it on").command("off", Switch::Off, "turn it off"))
+}
+
+impl Camera {
+    fn switch(&mut self, on: bool) -> io::Result<()> {
+        self.chronicle.note(&Fact::Device(on))?;
+        if on {
+            return std::fs::write(&self.file, "");
+        }
+        match std::fs::remove_file(&self.file) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Device for Camera {
+    type Command = Switch;
+    type Response = ();
+    type Fault = io::Error;
+
+    fn profile(&self) -> Profile {
+        Profile {
+            longest_command: LONG,
+            longest_safing: LONG,
+            estimate_lag: LONG,
+            when_orphaned: self.when_orphaned,
+            lease: LONG,
+            ..Profile::new().drawing(DRAW)
+        }
+    }
+
+    fn declare(command: &Switch) -> Declaration {
+        let effect = match command {
+            Switch::On => Effect::on(DRAW),
+            Switch::Off => Effect::Off,
+        };
+        Declaration { code: *command as u16, wcet: LONG, effect }
+    }
+
+    fn issue(&mut self, command: Switch) -> io::Result<()> {
+        self.switch(matches!(command, Switch::On))
+    }
+
+    fn safe(&mut self) -> io::Result<()> {
+        self.switch(false)
+    }
+}
