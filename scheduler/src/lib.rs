@@ -17,7 +17,7 @@
 //! |---|---|
 //! | [`task`] | what a task is |
 //! | [`mission`] | devices, agents, margins, category names, modes |
-//! | [`format`] | schedule and mission files: read, judged, written |
+//! | [`format`](mod@format) | schedule and mission files: read, judged, written |
 //! | [`manager`] | decides: events in, actions out |
 //! | [`analyze`](mod@analyze) | what will become of a schedule |
 //! | [`executive`] | carries out: the loop, and the ports it needs |

@@ -146,6 +146,15 @@ fn a_pause_stands_between_the_pieces_of_its_run() {
 }
 
 #[test]
+fn a_miss_is_a_cross_where_its_window_closed() {
+    let picture = of(&[task(1, 20, 1, 2), until(task(2, 5, 1, 1), 12)], 20);
+    let crosses = elements(&picture, "path").into_iter().map(|path| path["d"].clone());
+    let at = format!("M{},", ((place(12.0, 20.0) - 3.6) * 10.0).round() / 10.0);
+    let crosses: Vec<_> = crosses.collect();
+    assert!(crosses.iter().any(|cross| cross.starts_with(&at)), "{at} {crosses:?}");
+}
+
+#[test]
 fn each_task_has_a_row_under_its_category() {
     let picture = of(&rich(), 120);
     let words = words(&picture);
