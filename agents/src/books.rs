@@ -187,7 +187,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         self.agents.get(usize::from(agent))?;
         let number = u8::try_from(self.devices.len()).ok()?;
         let mut book = DeviceBook::new(agent, profile, categories, self.now);
-        if !self.is_charged(&book) && !book.must_safe {
+        if !self.is_charged(&book) && !book.must_safe && !book.is_safed_unless_held() {
             book.settle_uncharged();
         }
         self.devices.push(book).ok().map(|()| GateId(number))

@@ -24,6 +24,7 @@ const LAMP: Declared = Declared {
     settling_ms: 0,
     attempts: 2,
     safe_at_once: false,
+    safe_unless_held: false,
     on_at_start: false,
 };
 

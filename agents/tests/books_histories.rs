@@ -29,10 +29,22 @@ fn rules() -> impl Strategy<Value = Rules> {
 fn declared() -> impl Strategy<Value = Declared> {
     let draw = prop_oneof![1 => Just(0_u64), 6 => 2..8_u64];
     let categories = prop_oneof![3 => Just(0_u8), 1 => 1..4_u8];
-    (0..2_u8, draw, categories, 0..6_u64, 1..3_u8, any::<bool>(), prop::bool::weighted(0.2))
-        .prop_map(|(agent, draw, categories, settling_ms, attempts, safe_at_once, on_at_start)| {
-            Declared { agent, draw, categories, settling_ms, attempts, safe_at_once, on_at_start }
-        })
+    let bools = (any::<bool>(), prop::bool::weighted(0.2), prop::bool::weighted(0.2));
+    (0..2_u8, draw, categories, 0..6_u64, 1..3_u8, bools).prop_map(
+        |(agent, draw, categories, settling_ms, attempts, bools)| {
+            let (safe_at_once, on_at_start, safe_unless_held) = bools;
+            Declared {
+                agent,
+                draw,
+                categories,
+                settling_ms,
+                attempts,
+                safe_at_once,
+                safe_unless_held,
+                on_at_start,
+            }
+        },
+    )
 }
 
 fn setup() -> impl Strategy<Value = Setup> {

@@ -220,6 +220,29 @@ fn a_device_that_a_dead_task_left_on_is_off_before_its_margin_is_anothers() {
 }
 
 #[test]
+fn the_devices_of_a_task_that_stands_still_are_made_safe_and_stay_off() {
+    let mut rig = Rig::new(&["camera"]);
+    rig.run(1, &needs(1).using(3).commanding(&["camera"]));
+    rig.command(1, "camera", "on").unwrap();
+    // It needs nothing that the camera has, and there is draw for both.
+    rig.request(2, &needs(9).using(3), &[1]);
+    rig.taken(1, "task 2");
+    rig.until("the camera is off", |rig| !rig.is_on("camera"));
+    rig.stop(1);
+    rig.granted(2);
+    rig.start(2);
+    rig.end(2);
+    rig.granted(1);
+    assert!(!rig.is_on("camera"), "who goes on turns it on itself");
+}
+
+#[test]
+fn a_device_that_was_left_on_before_is_made_safe_at_the_start() {
+    let mut rig = Rig::on_at_start(&["camera"]);
+    rig.until("the camera is off", |rig| !rig.is_on("camera"));
+}
+
+#[test]
 fn a_mode_takes_its_gates_from_everybody_and_leaves_their_devices_off() {
     let mut rig = Rig::new(&["camera", "heater"]);
     rig.run(1, &needs(239).commanding(&["camera"]));

@@ -226,6 +226,10 @@ pub enum WhenOrphaned {
     KeepUntilNeeded,
     /// It is made safe at once.
     SafeAtOnce,
+    /// It is made safe as soon as nobody has it, its holder included: when its
+    /// ticket was revoked and nobody has taken the device over, or before
+    /// anybody has got it.
+    SafeUnlessHeld,
 }
 
 /// What the sensors say about a device, and when they measured it. Not what it

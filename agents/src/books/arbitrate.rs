@@ -307,8 +307,8 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         })
     }
 
-    /// Orphans go off if they must, or if what was chosen leaves no room for
-    /// them.
+    /// Orphans go off if they must, if what was chosen leaves no room for them, or
+    /// if that is declared of devices that nobody has.
     fn free_orphans(&mut self, choice: &Choice) {
         let mut draws = choice.draws;
         for number in 0..self.devices.len() {
@@ -331,13 +331,14 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
         add(draws, device.agent, self.draw_of(device));
         let sum = draws.get(usize::from(device.agent)).copied().unwrap_or_default();
         let exceeds = agent.policy.supply.is_some() && sum > agent.supply;
-        if exceeds || conflicts {
+        let unheld = device.is_safed_unless_held();
+        if exceeds || conflicts || unheld {
             // It goes off, and leaves its room to the next orphan.
             if let Some(sum) = draws.get_mut(usize::from(device.agent)) {
                 *sum = sum.saturating_sub(self.draw_of(device));
             }
         }
-        exceeds || conflicts
+        exceeds || conflicts || unheld
     }
 
     fn grant_chosen(&mut self, candidates: &Candidates, choice: &Choice) {

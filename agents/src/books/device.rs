@@ -151,6 +151,11 @@ impl DeviceBook {
         self.must_safe |= self.profile.when_orphaned == WhenOrphaned::SafeAtOnce;
     }
 
+    /// Whether it goes off as soon as nobody has it, charged or not.
+    pub(crate) fn is_safed_unless_held(&self) -> bool {
+        self.profile.when_orphaned == WhenOrphaned::SafeUnlessHeld
+    }
+
     /// Whether its commands may be in progress, or its ticket valid.
     pub(crate) fn is_quiescent(&self) -> bool {
         !matches!(self.phase, Phase::Admitting | Phase::Held | Phase::Leaving { .. })

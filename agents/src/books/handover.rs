@@ -401,7 +401,7 @@ impl<const G: usize, const T: usize, const S: usize> Books<G, T, S> {
     /// off; one that is not charged need not be seen off.
     fn skip_confirmation(&mut self, gate: GateId, vacated: &Vacated) {
         let Some(device) = self.device(gate) else { return };
-        let charged = self.is_charged(device) || device.must_safe;
+        let charged = self.is_charged(device) || device.must_safe || device.is_safed_unless_held();
         // Something else may have turned it on.
         let seen_on = device.seen.is_none_or(|seen| seen.state != Power::Off);
         if !(vacated.may_be_on || seen_on) {

@@ -223,6 +223,22 @@ impl World<'_> {
             let named = chosen.contains(serial);
             assert_eq!(valid, named, "Highest First: {} waits for {waiting:?}", grant.id);
         }
+        for gate in self.gate_ids() {
+            let declared = self.declared(usize::from(gate.0));
+            let unheld = declared.safe_unless_held;
+            let orphaned = self.state(usize::from(gate.0)) == DeviceState::Orphaned;
+            assert!(!(unheld && orphaned), "{gate} is nobody's, and not made safe");
+            let report = self.books.device_report(gate).unwrap();
+            let truth = &self.ground.truths[usize::from(gate.0)];
+            // What nobody looks at may have been deaf.
+            let unseen = declared.draw == 0 && declared.categories == 0;
+            let may_draw = report.tenant.is_some()
+                || report.state == DeviceState::Stuck
+                || unseen
+                || truth.unbidden.load(Relaxed);
+            let draws = truth.draws(self.now());
+            assert!(!(unheld && draws) || may_draw, "{gate} is nobody's, and on");
+        }
     }
 
     /// **Source Death.** Nothing that is to be made safe when it is orphaned is
@@ -232,7 +248,8 @@ impl World<'_> {
             let number = usize::from(gate.0);
             let held = self.grants.values().any(|grant| grant.gates().any(|it| it == number));
             let orphaned = self.books.device_report(gate).unwrap().state == DeviceState::Orphaned;
-            let safe_at_once = self.declared(number).safe_at_once;
+            let declared = self.declared(number);
+            let safe_at_once = declared.safe_at_once && !declared.safe_unless_held;
             assert!(held || !orphaned || !safe_at_once, "{gate} is an orphan, and not made safe");
         }
     }

@@ -67,6 +67,7 @@ pub(crate) struct Declared {
     pub(crate) settling_ms: u64,
     pub(crate) attempts: u8,
     pub(crate) safe_at_once: bool,
+    pub(crate) safe_unless_held: bool,
     pub(crate) on_at_start: bool,
 }
 
@@ -97,6 +98,9 @@ impl Declared {
         profile.safing_attempts = self.attempts;
         if self.safe_at_once {
             profile.when_orphaned = WhenOrphaned::SafeAtOnce;
+        }
+        if self.safe_unless_held {
+            profile.when_orphaned = WhenOrphaned::SafeUnlessHeld;
         }
         profile
     }

@@ -155,12 +155,11 @@ pub struct GateDevice {
 }
 
 impl GateDevice {
-    /// It is charged this draw, if the driver does not declare more.
-    /// Without a task it is made safe at once: no device is left on by a task
-    /// that is over or stands still.
+    /// It is charged this draw, if the driver does not declare more. A device
+    /// whose task has lost it is made safe: nobody may be left to turn it off.
     pub(super) fn new(driver: Box<dyn Driver>, draw: Milliwatts) -> Self {
-        let mut profile = driver.profile();
-        profile.when_orphaned = WhenOrphaned::SafeAtOnce;
+        let profile = driver.profile();
+        let profile = Profile { when_orphaned: WhenOrphaned::SafeUnlessHeld, ..profile };
         Self { driver, profile: profile.drawing(profile.draw.max(draw)) }
     }
 }

@@ -142,6 +142,14 @@ impl Rig {
     }
 
     pub(crate) fn with_lease(lamps: &[&str], lease: Duration) -> Self {
+        Self::put_together(lamps, lease, false)
+    }
+
+    pub(crate) fn on_at_start(lamps: &[&str]) -> Self {
+        Self::put_together(lamps, Duration::from_secs(60), true)
+    }
+
+    fn put_together(lamps: &[&str], lease: Duration, on: bool) -> Self {
         let supply = Some(Milliwatts::from_watts(SUPPLY));
         let agents = vec![AgentSpec { name: "power".into(), supply }];
         let mission = Mission { agents, lease, ..Mission::default() };
@@ -151,7 +159,7 @@ impl Rig {
         let agent = installation.agent("power").unwrap();
         let mut truths = BTreeMap::new();
         for name in lamps {
-            let truth = Arc::new(Truth::default());
+            let truth = Arc::new(Truth { on: on.into(), ..Truth::default() });
             let lamp = Named::new(Lamp(Arc::clone(&truth)))
                 .command("on", Switch::On, "light it")
                 .command("off", Switch::Off, "darken it")
