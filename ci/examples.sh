@@ -16,3 +16,15 @@ for file in examples/*.rs examples/*/main.rs; do
     }
     tail -n 3 "target/example-$example.log"
 done
+echo "== schedule"
+if [[ $(uname) == Linux ]]; then
+    examples/schedule/run.sh all >target/example-schedule.log 2>&1 || {
+        cat target/example-schedule.log
+        echo "example schedule failed" >&2
+        exit 1
+    }
+    tail -n 3 target/example-schedule.log
+else
+    echo "skipped: processes are run on Linux alone"
+    [[ ${CI:-} != true ]]
+fi
