@@ -213,3 +213,34 @@ fn a_dead_holders_ticket_says_expired_if_it_wakes_up_again() {
     drop(sleeper);
     assert_eq!(heir.invoke(Switch::On), Ok(()), "and takes nothing from who has its seat");
 }
+
+fn unless_held() -> Profile {
+    Profile { when_orphaned: WhenOrphaned::SafeUnlessHeld, ..drawing(4) }
+}
+
+#[test]
+fn a_device_that_is_safe_unless_held_goes_off_with_its_ticket_though_nobody_charges_it() {
+    let (bench, _) = Bench::with(Policy::unlimited(), &[unless_held(), drawing(4)]);
+    let tickets = [bench.ticket(1, 0), bench.ticket(1, 1)];
+    for ticket in &tickets {
+        ticket.invoke(Switch::Glow).unwrap();
+    }
+    drop(tickets);
+    bench.broker.service();
+    assert_eq!([bench.is_on(0), bench.is_on(1)], [false, true]);
+}
+
+#[test]
+fn a_device_that_is_safe_unless_held_goes_off_when_its_ticket_is_revoked_and_passes_on_as_it_is() {
+    let (bench, _) = Bench::with(Policy::exclusive(), &[unless_held(), drawing(4)]);
+    let [first, other] = [bench.ticket(1, 0), bench.ticket(2, 1)];
+    assert!(first.check().is_err() && other.check().is_ok());
+    other.invoke(Switch::Glow).unwrap();
+    let taker = bench.ticket(3, 0);
+    taker.invoke(Switch::Glow).unwrap();
+    assert!(bench.is_on(1), "the other one is kept until it is needed");
+    let same = bench.ticket(4, 0);
+    assert!(same.check().is_ok() && bench.is_on(0), "it passes on as it is");
+    let last = bench.ticket(5, 1);
+    assert!(last.check().is_ok() && same.check().is_err() && !bench.is_on(0));
+}
