@@ -26,6 +26,7 @@ mod native;
 mod policy;
 mod render;
 mod rows;
+pub mod say;
 mod scalar;
 mod smaarte;
 mod source;

@@ -155,15 +155,21 @@ fn date(text: &str) -> Result<When, Wrong> {
     Ok(When::At(UnixTime::from_micros(time.as_microsecond())))
 }
 
+const SIZE: &str = "bytes, or a string such as \"3MiB\", \"1.5 GB\"";
+
 /// Bytes as a number, or a string with a unit.
 pub(crate) fn size(value: &DeValue<'_>) -> Result<u64, Wrong> {
-    let expected = "bytes, or a string such as \"3MiB\", \"1.5 GB\"";
     match value {
-        DeValue::String(text) => parse_size::parse_size(text.as_bytes()).map_err(|_| {
-            Wrong::new(Rule::Value, format!("{} is no size", shown(text))).expected(expected)
-        }),
-        _ => scalar::bytes(&digits(value, expected)?),
+        DeValue::String(text) => size_of(text),
+        _ => scalar::bytes(&digits(value, SIZE)?),
     }
+}
+
+/// The same as a string.
+pub(crate) fn size_of(text: &str) -> Result<u64, Wrong> {
+    parse_size::parse_size(text.as_bytes()).map_err(|_| {
+        Wrong::new(Rule::Value, format!("{} is no size", shown(text))).expected(SIZE)
+    })
 }
 
 /// Words: an array of them, or a line that is split as a shell splits it.
