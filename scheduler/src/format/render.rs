@@ -131,6 +131,13 @@ mod tests {
     }
 
     #[test]
+    fn names_that_somebody_else_chose_are_harmless_in_messages() {
+        let found = format::read("a\u{1b}[2J.csv", b"id,st,\x1b[2J\n").unwrap_err();
+        let shown = super::render(&found, b"", false);
+        assert!(!shown.contains('\u{1b}') && shown.contains("\\u{1b}[2J"), "{shown}");
+    }
+
+    #[test]
     fn what_is_no_text_is_shown_as_far_as_it_is_one() {
         assert!(rendered(b"id,st\n1,caf\xE9", false).contains("a.csv:2:6"));
     }

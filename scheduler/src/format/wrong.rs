@@ -83,15 +83,26 @@ impl<'a> Report<'a> {
         self.found.push(Diagnostic {
             severity,
             rule: wrong.rule,
-            file: self.source.name().to_owned(),
+            file: harmless(self.source.name().to_owned()),
             place: self.source.place(span),
-            field: Some(field.to_owned()).filter(|field| !field.is_empty()),
-            message: wrong.message,
-            expected: wrong.expected,
-            help: wrong.help,
+            field: Some(harmless(field.to_owned())).filter(|field| !field.is_empty()),
+            message: harmless(wrong.message),
+            expected: wrong.expected.map(harmless),
+            help: wrong.help.map(harmless),
             also: None,
         });
     }
+}
+
+/// The same without control characters, which a terminal would obey: names of
+/// columns, gates and files are what somebody else wrote.
+fn harmless(text: String) -> String {
+    if !text.contains(char::is_control) {
+        return text;
+    }
+    let escape =
+        |one: char| if one.is_control() { one.escape_debug().to_string() } else { one.into() };
+    text.chars().map(escape).collect()
 }
 
 /// A piece of a file as a message shows it: short, and without control

@@ -167,9 +167,8 @@ pub(crate) fn size(value: &DeValue<'_>) -> Result<u64, Wrong> {
 
 /// The same as a string.
 pub(crate) fn size_of(text: &str) -> Result<u64, Wrong> {
-    parse_size::parse_size(text.as_bytes()).map_err(|_| {
-        Wrong::new(Rule::Value, format!("{} is no size", shown(text))).expected(SIZE)
-    })
+    parse_size::parse_size(text.as_bytes())
+        .map_err(|_| Wrong::new(Rule::Value, format!("{} is no size", shown(text))).expected(SIZE))
 }
 
 /// Words: an array of them, or a line that is split as a shell splits it.
