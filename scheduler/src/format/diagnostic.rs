@@ -5,6 +5,8 @@ use core::ops::Range;
 
 use serde::Serialize;
 
+use crate::format::wrong::harmless;
+
 /// Whether a file with this in it is loaded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -179,7 +181,7 @@ impl Diagnostic {
         Self {
             severity: Severity::Error,
             rule,
-            file: file.to_owned(),
+            file: harmless(file.to_owned()),
             place,
             field: None,
             message: message.into(),

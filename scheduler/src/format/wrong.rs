@@ -96,7 +96,7 @@ impl<'a> Report<'a> {
 
 /// The same without control characters, which a terminal would obey: names of
 /// columns, gates and files are what somebody else wrote.
-fn harmless(text: String) -> String {
+pub(crate) fn harmless(text: String) -> String {
     if !text.contains(char::is_control) {
         return text;
     }
