@@ -221,13 +221,16 @@ fn be_ordinary() {
 }
 
 /// What this program ignores (SIGPIPE, as every Rust program does) its tasks do
-/// not. The kernel refuses SIGKILL, SIGSTOP and the C library's own two.
+/// not. Past the C library, which keeps two signals to itself that this program
+/// may have been started with. The kernel refuses SIGKILL and SIGSTOP.
 fn default_signals() {
-    // SAFETY: a null handler is SIG_DFL, and zero is a value of all other fields.
-    let action: libc::sigaction = unsafe { mem::zeroed() };
+    // The kernel's `struct sigaction`: no handler (SIG_DFL), no flags, no mask.
+    let action = [0_u64; 4];
+    let none: *const u64 = ptr::null();
     for signal in 1..=64 {
-        // SAFETY: `action` is read during the call only.
-        unsafe { libc::sigaction(signal, &raw const action, ptr::null_mut()) };
+        // SAFETY: `action` is as long as what the kernel reads during the call,
+        // and the former action is not asked for. 8 is the size of its mask.
+        unsafe { libc::syscall(libc::SYS_rt_sigaction, signal, action.as_ptr(), none, 8_usize) };
     }
 }
 

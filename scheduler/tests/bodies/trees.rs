@@ -87,7 +87,8 @@ fn a_daemon_of_a_task_is_paused_and_killed_with_it() {
 #[test]
 fn a_daemon_that_cleans_its_environment_is_killed_with_its_task() {
     both_ways(|mut bench| {
-        let script = "(setsid env -i sh -c 'sleep 60 & echo $!' &) ; sleep 60";
+        // Its number is told before it is an orphan.
+        let script = "sh -c 'setsid env -i sleep 60 & echo $!'; sleep 60";
         let attempt = bench.start(shell(script));
         let daemon: i32 = bench.line(attempt).trim().parse().unwrap();
         assert_eq!(bench.kill(attempt, Duration::from_secs(50)), Exit::Signal(15));
