@@ -19,6 +19,7 @@ pub(crate) fn check(place: &Path) -> Result<(), Failure> {
         return Err("the last manager did not close its journal".into());
     }
     nothing_began_twice(&facts)?;
+    nobody_outlives_a_manager(&facts)?;
     nobody_is_lost(&facts, &restored.tasks, place)?;
     the_device_is_off(&facts, place)?;
     nobody_is_left(place)
@@ -29,6 +30,22 @@ fn nothing_began_twice(facts: &[Fact]) -> Result<(), Failure> {
     for one in tries(facts) {
         if !attempts.insert((one.task, one.occurrence, one.attempt)) {
             return Err(format!("an attempt began twice: {one:?}").into());
+        }
+    }
+    Ok(())
+}
+
+/// Whoever began under a manager that died does nothing under the next one.
+fn nobody_outlives_a_manager(facts: &[Fact]) -> Result<(), Failure> {
+    let mut present = BTreeSet::new();
+    for fact in facts {
+        match fact {
+            Fact::Life => present.clear(),
+            Fact::Began(one) => drop(present.insert(one)),
+            Fact::Ended(one, _) if !present.contains(one) => {
+                return Err(format!("{one:?} has outlived its manager").into());
+            }
+            _ => {}
         }
     }
     Ok(())
@@ -78,7 +95,7 @@ fn routine(facts: &[Fact], task: &RestoredTask) -> Result<(), Failure> {
     let numbers: Vec<_> =
         tries(facts).filter(|one| one.task == id.get()).map(|one| one.occurrence).collect();
     if !numbers.is_sorted_by(|a, b| a < b) {
-        return Err(format!("{id} ran out of order: {numbers:?}").into());
+        return Err(format!("an occurrence of {id} ran twice, or late: {numbers:?}").into());
     }
     let last_life = facts.iter().rposition(|fact| *fact == Fact::Life).unwrap_or(0);
     let goes_on = tries(&facts[last_life..]).any(|one| one.task == id.get());

@@ -18,6 +18,7 @@ use faregate_tickets::clock::Clock;
 use faregate_tickets::device::Estimate;
 use rustix::time::{Itimerspec, TimerfdClockId, TimerfdFlags, TimerfdTimerFlags, Timespec};
 
+use crate::Break;
 use crate::device::{CAMERA, measure};
 use crate::schedule::ROUTINE;
 use crate::truth::{Chronicle, Fact};
@@ -53,9 +54,13 @@ impl Operator {
 
 impl Outside for Operator {
     fn note(&mut self, _: Now, note: &Note) {
-        if let Note::Over { attempt, .. } = note {
-            points::hit(Point::AfterReap);
-            self.routine_runs += u32::from(attempt.occurrence.task.get() == ROUTINE);
+        match note {
+            Note::Over { .. } => points::hit(Point::AfterReap),
+            // One that was interrupted is over, too, and did not run in this life.
+            Note::Started(attempt) if attempt.occurrence.task.get() == ROUTINE => {
+                self.routine_runs += 1;
+            }
+            _ => {}
         }
     }
 
@@ -95,16 +100,17 @@ impl Correspondent for Operator {
 pub(crate) struct Sensed {
     pub(crate) tickets: Tickets,
     place: PathBuf,
+    broken: Option<Break>,
     timer: OwnedFd,
 }
 
 impl Sensed {
-    pub(crate) fn new(tickets: Tickets, place: &Path) -> io::Result<Self> {
+    pub(crate) fn new(tickets: Tickets, place: &Path, broken: Option<Break>) -> io::Result<Self> {
         let flags = TimerfdFlags::CLOEXEC | TimerfdFlags::NONBLOCK;
         let timer = rustix::time::timerfd_create(TimerfdClockId::Monotonic, flags)?;
         let period = Itimerspec { it_interval: PERIOD, it_value: PERIOD };
         rustix::time::timerfd_settime(&timer, TimerfdTimerFlags::empty(), &period)?;
-        Ok(Self { tickets, place: place.to_owned(), timer })
+        Ok(Self { tickets, place: place.to_owned(), broken, timer })
     }
 
     fn measure(&self) {
@@ -112,7 +118,7 @@ impl Sensed {
         let _ = rustix::io::read(&self.timer, &mut [0; 8]);
         let broker = self.tickets.broker();
         let measured_at = broker.clock().now();
-        let state = measure(&self.place);
+        let state = measure(&self.place, self.broken);
         if let Some(gate) = self.tickets.commander().gates().id(CAMERA) {
             broker.observe(gate, Estimate { state, measured_at });
         }

@@ -8,7 +8,7 @@ use faregate_scheduler::tickets::Named;
 use faregate_tickets::Device;
 use faregate_tickets::amount::Milliwatts;
 use faregate_tickets::clock::Duration;
-use faregate_tickets::device::{Declaration, Effect, Power, Profile, WhenOrphaned};
+use faregate_tickets::device::{Declaration, Effect, Power, Profile};
 
 use crate::truth::{Chronicle, Fact};
 use crate::{Break, Failure};
@@ -25,8 +25,9 @@ fn file(place: &Path) -> PathBuf {
 }
 
 /// What its sensor says.
-pub(crate) fn measure(place: &Path) -> Power {
-    if is_on(place) { Power::On } else { Power::Off }
+pub(crate) fn measure(place: &Path, broken: Option<Break>) -> Power {
+    let seen = is_on(place) && broken != Some(Break::LeftOn);
+    if seen { Power::On } else { Power::Off }
 }
 
 pub(crate) fn is_on(place: &Path) -> bool {
@@ -37,7 +38,8 @@ pub(crate) fn is_on(place: &Path) -> bool {
 pub(crate) struct Camera {
     file: PathBuf,
     chronicle: Chronicle,
-    when_orphaned: WhenOrphaned,
+    /// Whether it goes off when it is made safe.
+    obeys: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -47,12 +49,8 @@ pub(crate) enum Switch {
 }
 
 pub(crate) fn driver(place: &Path, broken: Option<Break>) -> Result<Named<Camera>, Failure> {
-    let when_orphaned = match broken {
-        Some(Break::LeftOn) => WhenOrphaned::KeepUntilNeeded,
-        _ => WhenOrphaned::SafeAtOnce,
-    };
     let chronicle = Chronicle::open(place)?;
-    let camera = Camera { file: file(place), chronicle, when_orphaned };
+    let camera = Camera { file: file(place), chronicle, obeys: broken != Some(Break::LeftOn) };
     let named = Named::new(camera);
     Ok(named.command("on", Switch::On, "turn it on").command("off", Switch::Off, "turn it off"))
 }
@@ -80,7 +78,6 @@ impl Device for Camera {
             longest_command: LONG,
             longest_safing: LONG,
             estimate_lag: LONG,
-            when_orphaned: self.when_orphaned,
             lease: LONG,
             ..Profile::new().drawing(DRAW)
         }
@@ -99,6 +96,6 @@ impl Device for Camera {
     }
 
     fn safe(&mut self) -> io::Result<()> {
-        self.switch(false)
+        if self.obeys { self.switch(false) } else { Ok(()) }
     }
 }

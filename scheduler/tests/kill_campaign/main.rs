@@ -59,7 +59,7 @@ enum Part {
 enum Break {
     /// Records stay in the process until a sync.
     Uncommitted,
-    /// The camera of a dead task stays as it is.
+    /// The camera does not go off, and its sensor says that it did.
     LeftOn,
 }
 
@@ -75,7 +75,7 @@ impl Break {
     /// What the campaign then has to say.
     const fn complaint(self) -> &'static str {
         match self {
-            Self::Uncommitted => "began twice",
+            Self::Uncommitted => "twice",
             Self::LeftOn => "the camera",
         }
     }

@@ -34,11 +34,11 @@ pub(crate) const OPTIONS: Options =
 
 /// Lives until all is done. Prints how often it came to each point.
 pub(crate) fn live(place: &Path, broken: Option<Break>) -> Result<ExitCode, Failure> {
-    Chronicle::open(place)?.note(&Fact::Life)?;
     let (journal, restored, _) = Journal::open(&journal(place), OPTIONS)?;
     // What a dead manager's tasks had started goes before anything is started.
     let state = place.join("bodies");
     sweep(&state)?;
+    Chronicle::open(place)?.note(&Fact::Life)?;
     let there: Vec<_> = restored.tasks.iter().map(|task| task.task.id).collect();
     let waker = Waker::new()?;
     let mission = schedule::mission();
@@ -54,7 +54,7 @@ pub(crate) fn live(place: &Path, broken: Option<Break>) -> Result<ExitCode, Fail
     let bodies = RealBodies::new(settings, waker.clone(), around)?;
     let operator = Operator::new(place, schedule::tasks(place)?, &there)?;
     let journal = Sink { journal, commits: broken != Some(Break::Uncommitted) };
-    let ports = (bodies, Sensed::new(tickets, place)?, journal, operator);
+    let ports = (bodies, Sensed::new(tickets, place, broken)?, journal, operator);
     let clock = HostClock::start();
     let mut executive = HostExecutive::new(mission, restored, waker, clock, ports)?;
     loop {

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 /// Something that happened.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Fact {
-    /// A manager begins its life.
+    /// A manager begins its life: it has swept what was left of the one before.
     Life,
     /// The acceptance of a task was answered.
     Accepted(u32),
