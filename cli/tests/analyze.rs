@@ -1,6 +1,7 @@
 //! `analyze` and `run --virtual`: SMAARTE's cases, and the form of what programs
 //! are told.
 
+#[expect(dead_code, reason = "each test program uses a part of it")]
 mod support;
 
 use std::fs;

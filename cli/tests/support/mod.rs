@@ -1,5 +1,8 @@
 //! Calls the program as a person would.
 
+#[cfg(target_os = "linux")]
+pub(crate) mod run;
+
 use std::ffi::OsStr;
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -1,0 +1,124 @@
+//! How a run ends, and goes on: interrupts, kills, journals; and that it sleeps
+//! in between.
+#![cfg(target_os = "linux")]
+
+#[expect(dead_code, reason = "each test program uses a part of it")]
+mod support;
+
+use std::fs;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use support::run::{MISSION, Run, wait_until};
+use support::{Said, Scratch, faregate};
+
+#[test]
+fn an_interrupt_ends_the_tasks_in_order() {
+    let scratch = Scratch::new();
+    scratch.file(
+        "careful.sh",
+        "trap 'echo saved >saved; exit 0' TERM; echo >ready; while :; do sleep 0.1; done",
+    );
+    let task = "[[task]]\nid = 1\nrun = 'sh careful.sh'\npreempt = 'kill'\ngrace = 30\n";
+    let mission = scratch.file("mission.toml", format!("{MISSION}{task}"));
+    let mut run = Run::start(&scratch, &[mission.to_str().unwrap()]);
+    run.until("started task 1");
+    wait_until("the trap is set", || scratch.path("ready").exists());
+    let pid = run.child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
+    let said = run.ended();
+    assert_eq!(said.code, 0, "{said:?}");
+    assert!(scratch.path("saved").exists(), "it had its grace: {said:?}");
+}
+
+#[test]
+fn two_runs_do_not_share_a_socket_or_a_journal() {
+    let scratch = Scratch::new();
+    let mission = scratch.file("mission.toml", MISSION);
+    let journal = scratch.path("kept");
+    let words = [mission.to_str().unwrap(), "--journal", journal.to_str().unwrap()];
+    let run = Run::start(&scratch, &words);
+    let second =
+        |words: &[&str]| -> Said { faregate().arg("run").args(words).output().unwrap().into() };
+    let socket = run.socket.to_str().unwrap();
+    let said = second(&[mission.to_str().unwrap(), "--socket", socket, "--for", "1"]);
+    assert_eq!(said.code, 1, "{said:?}");
+    assert!(said.err.contains(socket), "{said:?}");
+    let said = second(&words);
+    assert_eq!(said.code, 1, "{said:?}");
+    assert!(said.err.contains("kept"), "{said:?}");
+    assert_eq!(run.end().code, 0);
+}
+
+#[test]
+fn a_run_that_was_killed_goes_on_from_its_journal() {
+    let scratch = Scratch::new();
+    scratch.file("once.sh", "echo run >>ran; sleep 600");
+    let tasks = "
+        [[task]]
+        id = 1
+        pri = 9
+        con = 1
+        run = 'sh once.sh'
+        [[task]]
+        id = 2
+        pri = 1
+        con = 1
+        run = 'sh -c \"echo second >>ran\"'
+    ";
+    let mission = scratch.file("mission.toml", format!("{MISSION}{tasks}"));
+    let journal = scratch.path("kept");
+    let words = [mission.to_str().unwrap(), "--journal", journal.to_str().unwrap()];
+    let mut run = Run::start(&scratch, &words);
+    run.until("started task 1");
+    wait_until("the task has begun", || scratch.path("ran").exists());
+    run.child.kill().unwrap();
+    run.child.wait().unwrap();
+    let mut run = Run::start(&scratch, &words);
+    run.until("succeeded task 2");
+    let said = run.end();
+    assert!(said.out.contains("where the journal ends"), "{said:?}");
+    let ran = fs::read_to_string(scratch.path("ran")).unwrap();
+    assert_eq!(ran, "run\nsecond\n", "the first one is not run twice, the second is not lost");
+}
+
+/// The thread that decides sleeps while nothing happens: it waits for no
+/// interval, and nothing that it waits for stays ready.
+#[test]
+fn a_run_in_which_nothing_happens_uses_no_processor() {
+    let scratch = Scratch::new();
+    let task = "[[task]]\nid = 1\nrun = 'sleep 600'\n";
+    let mission = scratch.file("mission.toml", format!("{MISSION}{task}"));
+    let mut run = Run::start(&scratch, &[mission.to_str().unwrap()]);
+    run.until("started task 1");
+    let pid = run.child.id();
+    let ticks = || {
+        let stat = fs::read_to_string(format!("/proc/{pid}/task/{pid}/stat")).unwrap();
+        let fields: Vec<&str> = stat.rsplit(')').next().unwrap().split_whitespace().collect();
+        // After the name: the state, and eleven more before its times.
+        fields[11..=12].iter().map(|field| field.parse::<u64>().unwrap()).sum::<u64>()
+    };
+    let before = ticks();
+    let began = Instant::now();
+    wait_until("two seconds are over", || began.elapsed() > Duration::from_secs(2));
+    let used = ticks() - before;
+    assert!(used <= 5, "{used} hundredths of a second in two seconds");
+    assert_eq!(run.end().code, 0);
+}
+
+#[test]
+fn a_run_goes_on_when_its_display_has_gone() {
+    let scratch = Scratch::new();
+    let task = "[[task]]\nid = 1\nst = '+1'\nrun = 'touch ran'\n";
+    let mission = scratch.file("mission.toml", format!("{MISSION}{task}"));
+    let mut child = faregate()
+        .arg("run")
+        .arg(&mission)
+        .current_dir(scratch.path(""))
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+    assert!(scratch.path("ran").exists());
+}
