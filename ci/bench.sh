@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs every bench, the latency example and a short soak (at most 6 minutes once
+# Runs every bench, the latency example and a short soak (at most 8 minutes once
 # built), sums them up in target/bench/summary.json, and prints the table. The
 # figures inform: a target that is missed fails nothing, a bench that breaks does.
 # Usage: ci/bench.sh [--write] [--quick]
@@ -35,7 +35,7 @@ has() {
         grep -q "\"kind\":\[\"$1\"\],\"crate_types\":\[\"bin\"\],\"name\":\"$2\""
 }
 
-for bench in invoke curves emergency; do
+for bench in invoke curves emergency schedule journal; do
     if ! has bench "$bench"; then
         echo "== bench $bench: skipped, there is none"
         continue

@@ -6,8 +6,15 @@
 //! priority, then sweep the whole schedule, at each event.
 
 mod decisions;
+#[expect(dead_code, reason = "a fixture of the scheduler's own tests")]
 #[path = "../../scheduler/tests/support/week.rs"]
 mod fixture;
+#[cfg(target_os = "linux")]
+mod lateness;
+#[cfg(target_os = "linux")]
+mod resume;
+#[cfg(target_os = "linux")]
+mod scene;
 mod smaarte;
 #[path = "../support/mod.rs"]
 mod support;
@@ -17,8 +24,18 @@ mod world;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    #[cfg(target_os = "linux")]
+    if let Some(done) = resume::as_child() {
+        return done;
+    }
     support::run("schedule", |bench| {
         decisions::measure(bench)?;
-        week::measure(bench)
+        week::measure(bench)?;
+        #[cfg(target_os = "linux")]
+        {
+            resume::measure(bench)?;
+            lateness::measure(bench)?;
+        }
+        Ok(())
     })
 }

@@ -8,12 +8,14 @@ use serde_json::{Value, json};
 use crate::support::{Curve, Failure, Figure, Fragment, Peer};
 
 /// Who measures which rows of the targets. Row 12 is the audit's.
-const SOURCES: [(&str, &[u8]); 5] = [
+const SOURCES: [(&str, &[u8]); 7] = [
     ("invoke", &[1, 2, 3, 4, 5, 6]),
     ("curves", &[7, 8]),
     ("latency", &[9]),
     ("emergency", &[10]),
     ("soak", &[11]),
+    ("schedule", &[13, 14, 15, 16]),
+    ("journal", &[17]),
 ];
 
 /// What all benches found together.

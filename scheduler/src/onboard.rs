@@ -49,6 +49,7 @@ pub type Onboard<O = Links> = HostExecutive<RealBodies, Tickets, Kept, O>;
 pub struct Builder {
     mission: Mission,
     waker: Waker,
+    clock: HostClock,
     installation: Installation,
     settings: Settings,
     functions: Functions,
@@ -127,6 +128,7 @@ impl Onboard {
             schedules: reader(mission.clone()),
             mission,
             waker,
+            clock: HostClock::start(),
             installation,
             settings: Settings::default(),
             functions: Functions::new(),
@@ -236,6 +238,12 @@ impl Builder {
         &mut self.installation
     }
 
+    /// The clock that the manager will go by. It runs already.
+    #[must_use]
+    pub fn clock(&self) -> HostClock {
+        self.clock
+    }
+
     /// How the journal was found, if there is one.
     #[must_use]
     pub fn opened(&self) -> Option<&Opened> {
@@ -281,8 +289,7 @@ impl Builder {
         let bodies = RealBodies::new(self.settings, self.waker.clone(), around)?;
         let outside = outside(links, &tickets, &self.waker)?;
         let ports = (bodies, tickets, self.kept, outside);
-        let clock = HostClock::start();
-        Ok(HostExecutive::new(self.mission, self.restored, self.waker, clock, ports)?)
+        Ok(HostExecutive::new(self.mission, self.restored, self.waker, self.clock, ports)?)
     }
 
     fn drivers(&self) -> Result<(), NotOnboard> {
