@@ -77,9 +77,12 @@
 //! | [`tickets`] | gates, tickets, validity functions, ports; `no_std`, no policy |
 //! | [`agents`] | books, policies, the broker of all agents; `no_std`, no threads |
 //! | [`runtime`] | service thread, wake-ups, clock, flight recorder, real-time rights |
+//! | `scheduler` (a feature) | the schedule manager: tasks that are dispatched on tickets |
 
 pub use faregate_agents as agents;
 pub use faregate_runtime as runtime;
+#[cfg(feature = "scheduler")]
+pub use faregate_scheduler as scheduler;
 pub use faregate_tickets as tickets;
 
 /// What a program that embeds tickets names.
