@@ -200,3 +200,30 @@ fn a_run_that_loses_its_spacecraft_fails() {
     assert_eq!(said.code, 1, "{said:?}");
     assert!(said.err.contains("the spacecraft is lost: the bus tripped"), "{said:?}");
 }
+
+#[test]
+fn what_tasks_draw_themselves_is_on_the_bus() {
+    let scratch = Scratch::new();
+    let tasks = "
+        [[mission.agent]]
+        name = 'bus'
+        supply_w = 20
+        [[task]]
+        id = 1
+        run = 'sleep 0.5'
+        draw_w = 8
+        [[task]]
+        id = 2
+        run = 'sleep 0.5'
+        draw_w = 9
+        [[task]]
+        id = 3
+        run = 'sleep 0.5'
+        draw_w = 7
+    ";
+    let path = scratch.file("mission.toml", tasks);
+    let said = support::call(&["run", path.to_str().unwrap()]);
+    assert_eq!(said.code, 0, "{said:?}");
+    // Two of them at a time: all three would be 24 W.
+    assert!(said.out.contains("bus: never more than 17 W of 20 W"), "{said:?}");
+}

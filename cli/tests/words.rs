@@ -4,10 +4,12 @@
 #[expect(dead_code, reason = "each test program uses a part of it")]
 mod support;
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::process::Stdio;
 
 use faregate_client::exit::Exit;
+use faregate_devices_sim::payload::{KINDS, UnitSpec};
 use proptest::prelude::*;
 use support::{Scratch, call, faregate, root};
 
@@ -120,6 +122,27 @@ fn a_file_that_cannot_be_read_is_named() {
         let said = call(words);
         assert_eq!(said.code, 1, "{words:?}: {said:?}");
         assert!(said.err.contains(missing), "{words:?}: {said:?}");
+    }
+}
+
+#[test]
+fn every_kind_of_device_is_documented_with_its_commands_and_parameters() {
+    let documentation = fs::read_to_string(root().join("docs/cli.md")).unwrap();
+    let odd = BTreeMap::from([("no_such_parameter".to_owned(), "1".to_owned())]);
+    for kind in KINDS {
+        let row = format!("| `{kind}` | ");
+        let row = documentation.lines().find(|line| line.starts_with(&row)).expect(kind);
+        for command in UnitSpec::new("it", kind, None, &BTreeMap::new()).unwrap().commands() {
+            let argument =
+                command.argument.map_or(String::new(), |argument| format!(" {argument}"));
+            let words = format!("`{}{argument}`", command.name);
+            assert!(row.contains(&words), "{words} in {row}");
+        }
+        let wrong = UnitSpec::new("it", kind, None, &odd).unwrap_err().join("");
+        let known = wrong.rsplit("it has ").next().unwrap().split(", ");
+        for parameter in known.filter(|name| !name.starts_with("sensor_")) {
+            assert!(row.contains(&format!("`{parameter}`")), "{parameter} in {row}");
+        }
     }
 }
 

@@ -97,7 +97,7 @@ pub(crate) struct RunArgs {
     /// earlier run ended, however that was; without, nothing outlives it.
     #[arg(long, value_name = "DIR")]
     pub(crate) journal: Option<PathBuf>,
-    /// Takes telecommands at this socket.
+    /// Takes telecommands at this socket, and does not end by itself.
     #[arg(long, value_name = "PATH")]
     pub(crate) socket: Option<PathBuf>,
     /// Ends after so many seconds. Without it: when the schedule is over, which
