@@ -78,18 +78,20 @@ fn is_a_test_name(word: &str) -> bool {
 #[test]
 fn every_mutant_exists_is_named_and_is_killed_in_ci() {
     let (page, script) = (page(), read("ci/loom.sh"));
-    for crate_name in ["tickets", "agents"] {
-        let manifest = read(&format!("{crate_name}/Cargo.toml"));
+    for (folder, crate_name) in
+        [("tickets", "tickets"), ("agents", "agents"), ("scheduler/models", "scheduler")]
+    {
+        let manifest = read(&format!("{folder}/Cargo.toml"));
         for line in manifest.lines().filter(|line| line.starts_with("mutant-")) {
             let mutant = line.split(' ').next().unwrap_or_default();
             let name = mutant.trim_start_matches("mutant-");
-            assert!(page.contains(&format!("`{crate_name}/{mutant}`")), "{mutant} is not named");
+            assert!(page.contains(&format!("`{folder}/{mutant}`")), "{mutant} is not named");
             assert!(script.contains(&format!("{crate_name}/{name} |")), "{mutant} is not killed");
         }
     }
     for mutant in quoted(&page).filter(|word| word.contains("/mutant-")) {
-        let (crate_name, feature) = mutant.split_once('/').expect("a crate and a feature");
-        let manifest = read(&format!("{crate_name}/Cargo.toml"));
+        let (folder, feature) = mutant.rsplit_once('/').expect("a crate and a feature");
+        let manifest = read(&format!("{folder}/Cargo.toml"));
         assert!(manifest.contains(&format!("\n{feature} = ")), "{mutant} does not exist");
     }
 }
