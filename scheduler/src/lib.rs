@@ -21,6 +21,8 @@
 //! | [`manager`] | decides: events in, actions out |
 //! | [`analyze`](mod@analyze) | what will become of a schedule |
 //! | [`executive`] | carries out: the loop, and the ports it needs |
+//! | [`port`] | lets a task's processes command devices under its tickets |
+//! | [`control`] | takes telecommands, over a socket and over any other link |
 //! | [`journal`] | remembers, after a crash and after a loss of power |
 //! | [`tickets`] | asks the agents of a broker, and commands devices by name |
 
