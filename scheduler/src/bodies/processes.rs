@@ -18,7 +18,7 @@ use crate::bodies::process::{Became, Process};
 use crate::bodies::settings::{Moment, Settings};
 use crate::bodies::sweep::{Run, Swept};
 use crate::executive::{PortFactory, PortNotice};
-use crate::manager::{Attempt, Event, Stop};
+use crate::manager::{Attempt, Event, Exit, Stop};
 use crate::time::{Duration, Instant};
 
 /// The bell of children among the processes' descriptors.
@@ -39,6 +39,8 @@ pub(super) struct Processes {
     bell: Bell,
     scribe: Scribe,
     live: BTreeMap<Attempt, (u64, Process)>,
+    /// Those whose processes are gone, and whose ports are not yet quiet.
+    closing: Vec<(Attempt, Exit)>,
     next_serial: u64,
 }
 
@@ -53,8 +55,8 @@ impl Processes {
         let bell = Bell::new()?;
         epoll::add(&epoll, &bell, epoll::EventData::new_u64(BELL), epoll::EventFlags::IN)?;
         let scribe = Scribe::new(settings.output_kept)?;
-        let live = BTreeMap::new();
-        Ok(Self { settings, ports, run, epoll, bell, scribe, live, next_serial: 0 })
+        let (live, closing) = (BTreeMap::new(), Vec::new());
+        Ok(Self { settings, ports, run, epoll, bell, scribe, live, closing, next_serial: 0 })
     }
 
     pub(super) fn groups(&self) -> Result<&Path, &str> {
@@ -157,11 +159,21 @@ impl Processes {
             if let Some(output) = self.end(attempt) {
                 keep(attempt, output);
             }
-            events.push(Event::Exited { attempt, exit });
+            self.closing.push((attempt, exit));
         }
+        self.tell_quiet(events);
         if rung {
             children::reap_orphans();
         }
+    }
+
+    /// An attempt is over when no command of it is in progress any more: the
+    /// next attempt has tickets for the same gates.
+    fn tell_quiet(&mut self, events: &mut Vec<Event>) {
+        let ports = &self.ports;
+        let is_quiet = |(attempt, _): &mut (Attempt, Exit)| ports.is_quiet(*attempt);
+        let quiet = self.closing.extract_if(.., is_quiet);
+        events.extend(quiet.map(|(attempt, exit)| Event::Exited { attempt, exit }));
     }
 
     /// The first of them to be looked at without being told.

@@ -125,6 +125,17 @@ impl Bench {
         })
     }
 
+    /// Rings the manager's bell, as a port does.
+    pub(crate) fn ring(&self) {
+        self.waker.wake();
+    }
+
+    pub(crate) fn has_told(&self, of: Attempt) -> bool {
+        let is_exit =
+            |event: &Event| matches!(event, Event::Exited { attempt, .. } if *attempt == of);
+        self.told.iter().any(is_exit)
+    }
+
     pub(crate) fn stopped(&mut self, of: Attempt) {
         self.wait(|event| (*event == Event::Stopped { attempt: of }).then_some(()));
     }

@@ -4,6 +4,7 @@
 use std::io::Write;
 use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixStream;
+use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
 use std::sync::{Arc, Mutex};
 
 use faregate_scheduler::bodies::{Settings, Surroundings};
@@ -26,6 +27,8 @@ enum Done {
 struct Ports {
     done: Arc<Mutex<Vec<Done>>>,
     ends: Vec<(Attempt, UnixStream)>,
+    /// Whether a command is in progress.
+    busy: Arc<AtomicBool>,
 }
 
 impl PortFactory for Ports {
@@ -44,6 +47,10 @@ impl PortFactory for Ports {
     fn close(&mut self, attempt: Attempt) {
         self.ends.retain(|(of, _)| *of != attempt);
         self.done.lock().unwrap().push(Done::Closed);
+    }
+
+    fn is_quiet(&self, _: Attempt) -> bool {
+        !self.busy.load(SeqCst)
     }
 }
 
@@ -88,4 +95,23 @@ fn the_port_of_what_could_not_be_started_is_closed() {
     let attempt = bench.start(Body::Process { program: "/no/such".into(), arguments: vec![] });
     assert!(matches!(bench.exit(attempt), Exit::NotStarted(_)));
     assert_eq!(*done.lock().unwrap(), [Done::Opened, Done::Closed]);
+}
+
+#[test]
+fn an_attempt_is_over_when_no_command_of_it_is_in_progress() {
+    let ports = Ports::default();
+    let (done, busy) = (Arc::clone(&ports.done), Arc::clone(&ports.busy));
+    busy.store(true, SeqCst);
+    let around = Surroundings { ports: Box::new(ports), ..Surroundings::default() };
+    let mut bench = Bench::around(Settings::default(), around);
+    let attempt = bench.start(shell("exit 0"));
+    while !done.lock().unwrap().contains(&Done::Closed) {
+        bench.turn();
+    }
+    bench.ring();
+    bench.turn();
+    assert!(!bench.has_told(attempt), "its process is gone, and its command is not");
+    busy.store(false, SeqCst);
+    bench.ring();
+    assert_eq!(bench.exit(attempt), Exit::Code(0));
 }
