@@ -105,6 +105,17 @@ fn a_jump_of_the_clock_makes_passed_windows_missed_and_starts_once_what_is_due()
 }
 
 #[test]
+fn what_was_due_and_waits_is_not_due_any_more_when_the_clock_is_set_back() {
+    let blocker = task(1, 20.0).categories(1).priority(9);
+    let due = task(2, 1.0).categories(1).with(|task| task.windows[0].opens = wall(10));
+    let mut world = World::of([blocker, due]);
+    world.until(15.0);
+    world.jump(-100);
+    world.until(200.0);
+    assert_eq!(world.lines(&["task 2 attempt 1 started"]), ["110.000 task 2 attempt 1 started"]);
+}
+
+#[test]
 fn a_task_whose_window_is_one_instant_starts_although_the_manager_is_woken_late() {
     for (late, starts) in [(0.08, true), (0.2, false)] {
         let mut world = World::of([task(1, 1.0).at(10.0).closes(10.0)]);
