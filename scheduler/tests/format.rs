@@ -6,6 +6,8 @@ mod arbitrary;
 mod broken;
 #[path = "format/cases.rs"]
 mod cases;
+#[path = "format/missions.rs"]
+mod missions;
 #[path = "format/native.rs"]
 mod native;
 #[path = "format/round_trip.rs"]

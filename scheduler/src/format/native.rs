@@ -2,6 +2,7 @@
 
 pub(crate) mod keys;
 mod mission;
+pub(crate) mod policies;
 pub(crate) mod steps;
 mod syntax;
 mod table;

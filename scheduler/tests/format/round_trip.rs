@@ -6,8 +6,8 @@ use faregate_scheduler::time::UnixTime;
 use faregate_scheduler::{Mission, Task, TaskId};
 use proptest::prelude::*;
 
-use crate::arbitrary;
 use crate::support::good;
+use crate::{arbitrary, missions};
 
 fn read(kind: Kind, text: &str) -> format::Loaded {
     let against = Against::Nothing;
@@ -67,7 +67,7 @@ proptest! {
     #[test]
     fn the_native_format_holds_everything(
         tasks in arbitrary::tasks(),
-        mission in proptest::option::of(arbitrary::mission()),
+        mission in proptest::option::of(missions::mission()),
     ) {
         let (text, lost) = format::write(Kind::Toml, &tasks, mission.as_ref());
         prop_assert_eq!(lost, Vec::new());

@@ -10,10 +10,11 @@ use crate::format::check;
 use crate::format::diagnostic::Rule;
 use crate::format::draft::Draft;
 use crate::format::native::table::Table;
-use crate::format::native::{keys, steps, value};
-use crate::format::wrong::{Report, Wrong, shown};
-use crate::format::{policy, scalar};
-use crate::task::{Dependency, Overrun, Restart, Spread, Status, Window};
+use crate::format::native::value::{self, set, word};
+use crate::format::native::{keys, policies, steps};
+use crate::format::scalar;
+use crate::format::wrong::{Report, Wrong};
+use crate::task::{Dependency, Spread, Status, Window};
 use crate::time::Duration;
 
 /// The names that a task can use.
@@ -39,7 +40,7 @@ pub(crate) fn read(
     what(&mut table, &mut draft);
     when(&mut table, &mut draft);
     needs(&mut table, &mut draft, names);
-    policies(&mut table, &mut draft);
+    policies::read(&mut table, &mut draft);
     others(&mut table, &mut draft);
     note_fields(&table, &mut draft, before);
     table.finish(keys::TASK);
@@ -189,59 +190,6 @@ fn category(value: &DeValue<'_>, names: Names<'_>) -> Result<Categories, Wrong> 
     }
 }
 
-fn policies(table: &mut Table<'_, '_, '_>, draft: &mut Draft) {
-    let way = table.read("preempt", way);
-    let grace = table.read("grace", value::duration);
-    let signal = table.read("signal", |value| policy::signal(value::text(value)?));
-    match (way, table.value("preempt").is_some()) {
-        (Some(way), _) => {
-            let span = table.span("preempt");
-            let read = policy::combine(way, grace, signal);
-            set(&mut draft.task.preemption, table.report.take(span, "preempt", read));
-        }
-        (None, true) => {}
-        (None, false) => table.present(&["grace", "signal"]).into_iter().for_each(|key| {
-            let wrong = Wrong::new(Rule::NoEffect, format!("{key} without preempt says nothing"));
-            table.error(
-                table.span(key),
-                key,
-                wrong.help("add preempt = \"checkpoint\" or \"kill\""),
-            );
-        }),
-    }
-    let overrun = table.read("overrun", |value| word(value, &OVERRUNS));
-    set(&mut draft.task.overrun, overrun);
-    set(&mut draft.task.restart, restart(table));
-}
-
-fn way(value: &DeValue<'_>) -> Result<&'static str, Wrong> {
-    word(value, &policy::WAYS.map(|way| (way, way)))
-}
-
-fn restart(table: &mut Table<'_, '_, '_>) -> Option<Restart> {
-    let again =
-        table.read("restart", |value| word(value, &[("never", false), ("on_failure", true)]));
-    let limit = table.read("restart_limit", value::number("how often, 0 or more", limit));
-    let back_off = table.read("back_off", value::duration);
-    if again == Some(true) {
-        let (limit, back_off) = (limit.unwrap_or(1), back_off.unwrap_or(Duration::ZERO));
-        return Some(Restart::OnFailure { limit, back_off });
-    }
-    if table.value("restart").is_none() || again.is_some() {
-        for key in table.present(&["restart_limit", "back_off"]) {
-            let wrong =
-                Wrong::new(Rule::NoEffect, format!("{key} has no effect without a restart"));
-            table.error(table.span(key), key, wrong.help("add restart = \"on_failure\""));
-        }
-    }
-    again.map(|_| Restart::Never)
-}
-
-fn limit(text: &str) -> Result<u32, Wrong> {
-    let number = scalar::whole(text, u32::MAX.into(), "how often, 0 or more")?;
-    u32::try_from(number).map_err(|_| Wrong::new(Rule::Range, "too often"))
-}
-
 fn others(table: &mut Table<'_, '_, '_>, draft: &mut Draft) {
     let cleanup = value::number("the number of a task", scalar::task_id);
     draft.task.cleanup = table.read("cleanup", cleanup);
@@ -281,29 +229,3 @@ pub(crate) const STATUSES: [(&str, Status); 6] = [
     ("completed", Status::Completed),
     ("finished", Status::Finished),
 ];
-
-/// What happens when a task runs too long, by name.
-pub(crate) const OVERRUNS: [(&str, Overrun); 3] = [
-    ("report", Overrun::Report),
-    ("abort", Overrun::Abort),
-    ("abort_and_restart", Overrun::AbortAndRestart),
-];
-
-fn word<T: Copy>(value: &DeValue<'_>, known: &[(&'static str, T)]) -> Result<T, Wrong> {
-    let names = known.iter().map(|(name, _)| *name);
-    let expected = names.clone().collect::<Vec<_>>().join(", ");
-    let text = value::text(value).map_err(|wrong| wrong.expected(expected.clone()))?;
-    known.iter().find(|(name, _)| *name == text).map(|(_, meaning)| *meaning).ok_or_else(|| {
-        let wrong = Wrong::new(Rule::Unknown, format!("nobody knows {}", shown(text)));
-        match crate::format::suggest::nearest(text, names) {
-            Some(near) => wrong.expected(expected).help(format!("did you mean {near}?")),
-            None => wrong.expected(expected),
-        }
-    })
-}
-
-fn set<T>(field: &mut T, value: Option<T>) {
-    if let Some(value) = value {
-        *field = value;
-    }
-}

@@ -9,6 +9,7 @@ use toml::de::{DeArray, DeTable, DeValue};
 
 use crate::format::diagnostic::Rule;
 use crate::format::scalar;
+use crate::format::suggest;
 use crate::format::words;
 use crate::format::wrong::{Wrong, shown};
 use crate::task::When;
@@ -185,5 +186,26 @@ pub(crate) fn words(value: &DeValue<'_>) -> Result<words::Words, Wrong> {
             Ok(words::Words { words, warning: None })
         }
         _ => Err(other(value, "words in one string, or an array of strings")),
+    }
+}
+
+/// One of these words, with what it means.
+pub(crate) fn word<T: Copy>(value: &DeValue<'_>, known: &[(&'static str, T)]) -> Result<T, Wrong> {
+    let names = known.iter().map(|(name, _)| *name);
+    let expected = names.clone().collect::<Vec<_>>().join(", ");
+    let text = text(value).map_err(|wrong| wrong.expected(expected.clone()))?;
+    known.iter().find(|(name, _)| *name == text).map(|(_, meaning)| *meaning).ok_or_else(|| {
+        let wrong = Wrong::new(Rule::Unknown, format!("nobody knows {}", shown(text)));
+        match suggest::nearest(text, names) {
+            Some(near) => wrong.expected(expected).help(format!("did you mean {near}?")),
+            None => wrong.expected(expected),
+        }
+    })
+}
+
+/// Puts a value into a field, if it could be read.
+pub(crate) fn set<T>(field: &mut T, value: Option<T>) {
+    if let Some(value) = value {
+        *field = value;
     }
 }

@@ -7,7 +7,7 @@ use faregate_agents::Categories;
 use jiff::Timestamp;
 use toml_edit::{Array, ArrayOfTables, Datetime, DocumentMut, InlineTable, Item, Table, Value};
 
-use crate::format::native::{steps, task as read};
+use crate::format::native::{policies, steps, task as read};
 use crate::format::write::{mission, text};
 use crate::format::{body, policy};
 use crate::mission::Mission;
@@ -193,7 +193,7 @@ fn put_policies(task: &Task, out: &mut Out) {
         out.put("back_off", duration(back_off));
     }
     out.unless("overrun", Default::default(), task.overrun, |overrun| {
-        named(&read::OVERRUNS, overrun).into()
+        named(&policies::OVERRUNS, overrun).into()
     });
     if let Some(heartbeat) = task.heartbeat {
         out.put("heartbeat", duration(heartbeat));
