@@ -66,7 +66,7 @@ pub(super) fn reap_orphans() {
         if !(Stat::of(dead).is_some_and(|stat| is_orphan(&stat)) && reap(dead)) {
             // The kernel shows the first one only, and this one is not ours.
             // There may be more behind it.
-            let hidden = procfs::everybody();
+            let hidden = procfs::family_of(me).unwrap_or_else(procfs::everybody);
             let hidden = hidden.iter().filter(|stat| stat.is_dead() && is_orphan(stat));
             for stat in hidden {
                 reap(stat.pid);

@@ -79,6 +79,9 @@ fn a_name_without_a_slash_is_looked_up_in_path() {
 
 #[test]
 fn a_process_knows_who_it_is_and_has_nothing_of_the_managers() {
+    // A descriptor that no exec closes by itself.
+    let open = rustix::io::dup(std::io::stdin()).unwrap();
+    assert!(!rustix::io::fcntl_getfd(&open).unwrap().contains(rustix::io::FdFlags::CLOEXEC));
     both_ways(|mut bench| {
         let attempt = bench.start(shell(
             "echo $FAREGATE_TASK $FAREGATE_OCCURRENCE $FAREGATE_ATTEMPT ${FAREGATE_PORT-none}
@@ -229,5 +232,31 @@ fn a_process_that_runs_wakes_nobody() {
             poll(&mut [PollFd::new(&bench.bodies, PollFlags::IN)], Some(&moment)) == Ok(0)
         });
         assert!(quiet, "the manager's thread never sleeps");
+    });
+}
+
+#[test]
+fn a_process_that_waits_in_the_kernel_for_a_stopped_child_stands_still() {
+    both_ways(|mut bench| {
+        let directory = tempfile::tempdir().unwrap();
+        let fifo = directory.path().join("fifo");
+        let fifo = fifo.to_str().unwrap();
+        // The child opens a pipe that nobody writes to before its program is
+        // executed, and the parent waits for that, past all signals.
+        let script = format!(
+            "import os; os.mkfifo({fifo:?}); print(1, flush=True); \
+             os.posix_spawn('/bin/true', ['true'], {{}}, \
+             file_actions=[(os.POSIX_SPAWN_OPEN, 0, {fifo:?}, os.O_RDONLY, 0)])"
+        );
+        let attempt = bench.start(program("python3", &["-c", &script]));
+        bench.line(attempt);
+        let pid = bench.bodies.pid(attempt).unwrap();
+        let waits = || look::seen(pid).is_some_and(|seen| seen.state == 'D');
+        look::until("it waits in the kernel", || waits().then_some(()));
+        bench.pause(attempt);
+        assert!(waits());
+        bench.resume(attempt);
+        drop(std::fs::OpenOptions::new().write(true).open(fifo).unwrap());
+        assert_eq!(bench.exit(attempt), Exit::Code(0));
     });
 }
