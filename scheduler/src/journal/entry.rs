@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::journal::storage::Boot;
-use crate::manager::{Attempt, Occurrence, Record};
+use crate::manager::{Attempt, Occurrence, Record, RestoredTask};
 use crate::task::{Outcome, Task};
 use crate::time::UnixTime;
 
@@ -56,4 +56,24 @@ pub(super) struct Kept {
     pub(super) armed_in_vain: bool,
     /// A task that it cleans up after has failed, and it has not begun since.
     pub(super) has_to_clean: bool,
+}
+
+impl Kept {
+    /// As a manager is told of it. One that cleans up is not over when it ran.
+    pub(super) fn restored(self, is_cleanup: bool) -> RestoredTask {
+        let ran_once = self.task.interval.is_none() && self.ended.is_some() && !is_cleanup;
+        RestoredTask {
+            task: self.task,
+            load: self.load,
+            position: self.position,
+            accepted: self.accepted,
+            held: self.held,
+            over: self.removed || ran_once,
+            ended: self.ended,
+            attempts: self.attempts,
+            interrupted: self.running,
+            may_have_started: self.armed_in_vain && self.running.is_none(),
+            has_to_clean: self.has_to_clean,
+        }
+    }
 }

@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::journal::entry::{Base, Entry, Kept};
 use crate::journal::storage::Boot;
-use crate::manager::{Attempt, Occurrence, Record, Restored, RestoredTask};
+use crate::manager::{Attempt, Occurrence, Record, Restored};
 use crate::task::{Outcome, Task, TaskId};
 use crate::time::UnixTime;
 
@@ -104,7 +104,7 @@ impl Replay {
             .into_values()
             .map(|kept| {
                 let is_cleanup = is_cleanup(&kept);
-                restored_task(kept, is_cleanup)
+                kept.restored(is_cleanup)
             })
             .collect();
         tasks.sort_by_key(|task| task.position);
@@ -289,21 +289,4 @@ const fn is_cleaned_up_after(outcome: Outcome) -> bool {
 /// The tasks that this one asks for.
 fn names(task: &Task) -> impl Iterator<Item = TaskId> {
     task.after.iter().map(|prior| prior.task).chain(task.cleanup)
-}
-
-fn restored_task(kept: Kept, is_cleanup: bool) -> RestoredTask {
-    let ran_once = kept.task.interval.is_none() && kept.ended.is_some() && !is_cleanup;
-    RestoredTask {
-        task: kept.task,
-        load: kept.load,
-        position: kept.position,
-        accepted: kept.accepted,
-        held: kept.held,
-        over: kept.removed || ran_once,
-        ended: kept.ended,
-        attempts: kept.attempts,
-        interrupted: kept.running,
-        may_have_started: kept.armed_in_vain && kept.running.is_none(),
-        has_to_clean: kept.has_to_clean,
-    }
 }
