@@ -14,7 +14,7 @@ use virtual_clock::Pace;
 
 pub(crate) fn run(args: &RunArgs) -> Result<Exit, Failure> {
     let schedule = schedule::read(&args.files)?;
-    let mut teller = Teller::new(args.format, &schedule.tasks);
+    let teller = Teller::new(args.format, &schedule.tasks);
     teller.say(&schedule.summary());
     let teller = match (args.speed, args.virtual_clock) {
         (Some(speed), _) => virtual_clock::run(schedule, Pace::Times(speed), args.time, teller)?,
@@ -25,7 +25,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<Exit, Failure> {
 }
 
 /// The numbers of the run, and how the program ends with them.
-fn end(mut teller: Teller) -> Result<Exit, Failure> {
+fn end(teller: Teller) -> Result<Exit, Failure> {
     let tally = teller.tally().to_string();
     teller.say(&tally);
     teller.tally().wanting().map_or(Ok(Exit::Done), |why| Err(Failure::failed(why)))

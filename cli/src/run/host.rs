@@ -95,7 +95,7 @@ fn look(executive: &mut Onboard<Ground>, loads: &mut Loads) {
 /// Says what the spacecraft has to say, and closes the journal in order.
 fn end(executive: Onboard<Ground>) -> Result<Teller, Failure> {
     let (_bodies, _tickets, kept, ground) = executive.into_ports();
-    let Ground { mut teller, craft, .. } = ground;
+    let Ground { teller, craft, .. } = ground;
     craft.report().iter().for_each(|line| teller.say(line));
     if let Kept::Journal(journal) = kept {
         journal.close().map_err(|error| Failure::failed(error.to_string()))?;

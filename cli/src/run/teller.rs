@@ -19,7 +19,6 @@ pub(crate) struct Teller {
     format: Format,
     changes: Changes,
     tally: Tally,
-    deaf: bool,
     loading: bool,
 }
 
@@ -34,7 +33,7 @@ struct Change<'a> {
 impl Teller {
     pub(crate) fn new(format: Format, tasks: &[Task]) -> Self {
         let (changes, tally) = (Changes::default(), Tally::of(tasks));
-        Self { format, changes, tally, deaf: false, loading: true }
+        Self { format, changes, tally, loading: true }
     }
 
     /// Tells the change.
@@ -42,9 +41,8 @@ impl Teller {
         self.tally.count(note);
         // That the files' own tasks were accepted is said by that they run.
         self.loading &= matches!(note, Note::Accepted(_));
-        if !self.deaf {
-            self.deaf = self.print(now, note).is_err();
-        }
+        // Who has gone need not be told.
+        let _ = self.print(now, note);
     }
 
     fn print(&mut self, now: Now, note: &Note) -> io::Result<()> {
@@ -57,20 +55,34 @@ impl Teller {
     }
 
     /// Says something for people.
-    pub(crate) fn say(&mut self, text: &str) {
-        if !self.deaf && self.format == Format::Text {
-            self.deaf = out::line(text).is_err();
+    pub(crate) fn say(&self, text: &str) {
+        if self.format == Format::Text {
+            let _ = out::line(text);
         }
     }
 
     /// Shows a line that a task has printed.
-    pub(crate) fn quote(&mut self, line: &str) {
-        // What a terminal would obey is a task's own text, and not ours.
-        let line: String = line.chars().filter(|letter| !letter.is_control()).collect();
-        self.say(&out::styled(out::FAINT, format_args!("{:14}| {line}", "")));
+    pub(crate) fn quote(&self, line: &str) {
+        self.say(&out::styled(out::FAINT, format_args!("{:14}| {}", "", harmless(line))));
     }
 
     pub(crate) fn tally(&self) -> &Tally {
         &self.tally
+    }
+}
+
+/// The line without what a terminal would obey: that is a task's own text, and
+/// not ours.
+fn harmless(line: &str) -> String {
+    line.chars().filter(|letter| !letter.is_control()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_terminal_obeys_nothing_that_a_task_prints() {
+        assert_eq!(harmless("no\u{1b}[2J\r film\u{9b}"), "no[2J film");
     }
 }
