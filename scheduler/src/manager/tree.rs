@@ -212,9 +212,9 @@ mod tests {
     use crate::task::TaskPriority;
     use proptest::prelude::*;
 
-    fn item(at: i64, level: u8, position: u64) -> Item {
+    fn item(at: i64, level: u8, position: u32) -> Item {
         let priority = TaskPriority::new(level).unwrap();
-        Item { at, rank: Rank::new(priority, at, position), task: position as u32 }
+        Item { at, rank: Rank::new(priority, at, position.into()), task: position }
     }
 
     proptest! {
@@ -227,7 +227,7 @@ mod tests {
             let (mut tree, mut list, mut looks) = (Tree::default(), Vec::new(), 0);
             for (n, (at, level, comes, which)) in seeds.into_iter().enumerate() {
                 if comes || list.is_empty() {
-                    let item = item(at, level, n as u64);
+                    let item = item(at, level, u32::try_from(n).unwrap());
                     tree.insert(item, &mut looks);
                     list.push(item);
                 } else {
@@ -253,9 +253,11 @@ mod tests {
     #[test]
     fn a_tree_of_100_000_is_three_looks_deep() {
         let (mut tree, mut looks) = (Tree::default(), 0);
-        for n in 0..100_000 {
+        for n in 0..100_000_u32 {
             // A permutation: 77 773 and 100 000 have no common divisor.
-            tree.insert(item((n * 77_773) % 100_000, (n % 200) as u8, n as u64), &mut looks);
+            let at = i64::from(n) * 77_773 % 100_000;
+            let level = u8::try_from(n % 200).unwrap();
+            tree.insert(item(at, level, n), &mut looks);
         }
         looks = 0;
         assert!(tree.best_by(50_000, &mut looks).is_some());
