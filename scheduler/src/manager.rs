@@ -10,6 +10,7 @@ mod attempt;
 mod build_in;
 mod classes;
 mod decide;
+mod defects;
 mod demand;
 mod depend;
 mod entry;
@@ -28,6 +29,7 @@ mod record;
 mod restore;
 mod restored;
 mod routine;
+mod slab;
 mod status;
 mod step;
 mod telecommand;
@@ -46,7 +48,7 @@ pub use note::{HeldBy, Note, WaitsFor};
 pub use record::{Attempt, Occurrence, Record};
 pub use restored::{Restored, RestoredTask};
 
-use std::collections::{BTreeMap, HashMap, VecDeque};
+use std::collections::{BTreeMap, VecDeque};
 
 use crate::manager::classes::Classes;
 use crate::manager::entry::Entry;
@@ -54,6 +56,7 @@ use crate::manager::ledger::{Installed, Ledger};
 use crate::manager::mode::Modes;
 use crate::manager::point::{Micros, Present};
 use crate::manager::reading::Measured;
+use crate::manager::slab::Slab;
 use crate::manager::step::Step;
 use crate::manager::timers::Timers;
 use crate::mission::Mission;
@@ -65,17 +68,16 @@ use crate::time::{Due, Now};
 pub struct Manager {
     mission: Mission,
     installed: Installed,
-    entries: Vec<Option<Entry>>,
-    free: Vec<u32>,
-    by_id: HashMap<TaskId, u32>,
+    entries: Slab<Entry>,
+    by_id: BTreeMap<TaskId, u32>,
     /// The schedule's order: by position.
     order: BTreeMap<u64, u32>,
     next_position: u64,
-    /// How many tasks of each id there were.
-    loads: HashMap<TaskId, u32>,
+    /// How many tasks there were of each id that was used before.
+    loads: BTreeMap<TaskId, u32>,
     /// Who waits for an outcome of this task, and which of its dependencies
     /// that is.
-    dependants: HashMap<TaskId, Vec<(u32, usize)>>,
+    dependants: BTreeMap<TaskId, Vec<(u32, usize)>>,
     classes: Classes,
     timers: Timers,
     /// Who was asked for at the agents, or has a body.
@@ -138,13 +140,12 @@ impl Manager {
         Self {
             installed: Installed::of(&mission),
             mission,
-            entries: Vec::new(),
-            free: Vec::new(),
-            by_id: HashMap::new(),
+            entries: Slab::default(),
+            by_id: BTreeMap::new(),
             order: BTreeMap::new(),
             next_position: 0,
-            loads: HashMap::new(),
-            dependants: HashMap::new(),
+            loads: BTreeMap::new(),
+            dependants: BTreeMap::new(),
             classes: Classes::default(),
             timers: Timers::default(),
             live: Vec::new(),
@@ -188,11 +189,11 @@ impl Manager {
     }
 
     fn entry(&self, index: u32) -> Option<&Entry> {
-        self.entries.get(usize::try_from(index).ok()?)?.as_ref()
+        self.entries.get(index)
     }
 
     fn entry_mut(&mut self, index: u32) -> Option<&mut Entry> {
-        self.entries.get_mut(usize::try_from(index).ok()?)?.as_mut()
+        self.entries.get_mut(index)
     }
 
     fn named(&self, occurrence: Occurrence) -> Option<u32> {

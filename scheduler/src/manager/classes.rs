@@ -1,12 +1,13 @@
 //! Who waits, by class: tasks that need the same wait for the same, so only
 //! the most important one of them that is due needs to be looked at.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use crate::manager::demand::Demand;
 use crate::manager::point::{Clock, Micros, Point, Present};
 use crate::manager::rank::Rank;
+use crate::manager::slab::Slab;
 use crate::manager::tree::{Item, Looks, Tree};
 
 /// A class, by its index.
@@ -36,9 +37,8 @@ struct Class {
 pub(crate) struct Classes {
     /// How many blocks of trees were looked at.
     looks: Looks,
-    classes: Vec<Class>,
-    free: Vec<ClassId>,
-    by_demand: HashMap<Arc<Demand>, ClassId>,
+    classes: Slab<Class>,
+    by_demand: BTreeMap<Arc<Demand>, ClassId>,
     heads: BTreeSet<Head>,
     wakes: [BTreeSet<(Micros, ClassId)>; 2],
     seen: Present,
@@ -65,20 +65,8 @@ impl Classes {
         let demand = Arc::new(demand);
         let trees = Default::default();
         let class = Class { demand: demand.clone(), trees, head: None, wakes: [None; 2], users: 1 };
-        let id = self.place(class);
+        let id = self.classes.insert(class);
         self.by_demand.insert(demand, id);
-        id
-    }
-
-    fn place(&mut self, class: Class) -> ClassId {
-        if let Some(id) = self.free.pop() {
-            if let Some(place) = self.class_mut(id) {
-                *place = class;
-            }
-            return id;
-        }
-        let id = ClassId::try_from(self.classes.len()).unwrap_or(ClassId::MAX);
-        self.classes.push(class);
         id
     }
 
@@ -88,7 +76,7 @@ impl Classes {
         if class.users == 0 {
             let demand = class.demand.clone();
             self.by_demand.remove(&demand);
-            self.free.push(id);
+            self.classes.remove(id);
         }
     }
 
@@ -120,7 +108,7 @@ impl Classes {
         let back = now.wall < self.seen.wall;
         self.seen = now;
         if back {
-            let every = 0..ClassId::try_from(self.classes.len()).unwrap_or(ClassId::MAX);
+            let every = 0..self.classes.places();
             every.for_each(|id| self.refresh(id));
         }
         for clock in CLOCKS {
@@ -229,10 +217,10 @@ impl Classes {
     }
 
     fn class(&self, id: ClassId) -> Option<&Class> {
-        self.classes.get(usize::try_from(id).ok()?)
+        self.classes.get(id)
     }
 
     fn class_mut(&mut self, id: ClassId) -> Option<&mut Class> {
-        self.classes.get_mut(usize::try_from(id).ok()?)
+        self.classes.get_mut(id)
     }
 }

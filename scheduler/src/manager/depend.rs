@@ -108,12 +108,8 @@ impl Step<'_> {
             self.manager.open = self.manager.open.saturating_sub(1);
         }
         let ended = self.entry(index).is_some_and(|entry| entry.place == Place::Over);
-        if let Some(place) =
-            usize::try_from(index).ok().and_then(|index| self.manager.entries.get_mut(index))
-        {
-            *place = None;
-            self.manager.free.push(index);
-        }
+        self.manager.entries.remove(index);
+        self.manager.loads.insert(id, load.saturating_add(1));
         if !ended {
             self.leave_alone(id);
         }

@@ -2,7 +2,7 @@
 
 use crate::manager::entry::{Entry, Place, Stage};
 use crate::manager::point::{Clock, Point, to_instant, to_wall};
-use crate::manager::{Manager, Needs, Note, Occurrence, State, TaskStatus, WaitsFor};
+use crate::manager::{Manager, Needs, Occurrence, State, TaskStatus, WaitsFor};
 use crate::task::{Outcome, Preemption, Task, TaskId, TaskPriority};
 use crate::time::{Due, Duration};
 
@@ -98,21 +98,6 @@ impl Manager {
     fn reason_in_class(&self, entry: &Entry) -> WaitsFor {
         let head = self.classes.head_of(entry.class).and_then(|head| self.entry(head));
         head.and_then(|head| head.told.clone()).unwrap_or(WaitsFor::Slot)
-    }
-
-    /// Runs of misses that are not over, and so have not been told of.
-    pub fn misses(&self) -> impl Iterator<Item = Note> {
-        let entries = self.order.values().filter_map(|index| self.entry(*index));
-        entries.filter_map(|entry| {
-            let misses = entry.misses.as_ref()?;
-            Some(Note::Missed {
-                task: entry.task.id,
-                first: misses.first,
-                last: misses.last,
-                count: misses.count,
-                why: misses.why.to_owned(),
-            })
-        })
     }
 
     /// How many occurrences, and blocks of the trees that they are kept in, were

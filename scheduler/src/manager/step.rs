@@ -77,8 +77,7 @@ impl<'a> Step<'a> {
 
     pub(crate) fn set_timer(&mut self, index: u32, kind: Kind, at: Option<Point>) {
         let manager = &mut *self.manager;
-        let entry = usize::try_from(index).ok().and_then(|index| manager.entries.get_mut(index));
-        if let Some(Some(entry)) = entry {
+        if let Some(entry) = manager.entries.get_mut(index) {
             manager.timers.set(&mut entry.timers, index, kind, at);
         }
     }

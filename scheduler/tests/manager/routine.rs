@@ -137,6 +137,6 @@ fn one_that_is_loaded_late_starts_with_the_present_occurrence_if_its_window_is_o
 fn misses_that_go_on_can_be_asked_for() {
     let mut world = World::of([task(2, 25.0).every(10.0)]);
     world.until(15.0);
-    let misses: Vec<_> = world.manager().misses().map(|note| note.to_string()).collect();
+    let misses: Vec<_> = world.manager().untold().map(|note| note.to_string()).collect();
     assert_eq!(misses, ["task 2 missed occurrence 1: the one before was still running"]);
 }
