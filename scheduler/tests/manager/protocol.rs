@@ -190,6 +190,23 @@ fn a_pre_emption_that_was_for_nothing_ends_as_soon_as_the_body_has_stopped() {
 }
 
 #[test]
+fn a_victim_whose_taker_has_gone_is_stopped_by_the_manager_if_it_must_not_run() {
+    let (mut manager, _) = Bare::of(
+        Mission::default(),
+        [task(1, 50.0).categories(1), task(2, 5.0).categories(1).priority(1).at(5.0)],
+    );
+    manager.step([granted(1)]);
+    manager.1 = 5_000_000;
+    assert_eq!(manager.step([]), [request(2, &[1])]);
+    let commands = [Telecommand::Remove(vec![id(2)]), Telecommand::Hold(id(1))];
+    let commands =
+        commands.map(|telecommand| Event::Telecommand { id: TelecommandId(2), telecommand });
+    let acts = manager.step(commands);
+    assert_eq!(acts[..2], [relinquish(2), relinquish(1)]);
+    assert!(matches!(acts[2], Action::Stop { how: Stop::Pause, .. }), "{acts:?}");
+}
+
+#[test]
 fn news_of_what_is_over_changes_nothing() {
     let (mut manager, _) = Bare::of(Mission::default(), [task(1, 5.0)]);
     manager.step([granted(1)]);
