@@ -74,7 +74,7 @@ tr '`' '\n' <docs/schedule-format.md | grep -E '^"?[][a-z_=A-Z0-9:" -]{2,24}$' |
 seeds() {
     case $1 in
     csv | txt | toml)
-        cp scheduler/tests/cases/*.[ct][sx][vt] "$2"
+        cp scheduler/tests/cases/*.{csv,txt} "$2"
         find scheduler/tests/format cli/missions examples -name '*.toml' -not -name Cargo.toml \
             -exec cp {} "$2" \; 2>/dev/null || true
         ;;
@@ -116,10 +116,11 @@ RUSTFLAGS="-Ccodegen-units=16" build --target-dir "$out/plain" "${all[@]/#/--bin
 build --release --target-dir "$out/plain" -p faregate-fuzz-lines
 runs=()
 for target in "${all[@]}"; do
-    # What was found, reduced to what reaches more, beside what people wrote.
+    # What was found, reduced to what reaches more, and what people wrote.
     rm -rf "$out/reach/$target" && mkdir -p "$out/reach/$target"
     "$out/bin/$target" -merge=1 -timeout=10 "$out/reach/$target" "$out/seeds/$target" \
         "$out/corpus/$target" >"$out/$target.merge.log" 2>&1
+    cp "$out/seeds/$target"/* "$out/reach/$target"
     runs+=("$out/plain/$host/debug/$target:$out/reach/$target")
 done
 "$out/plain/$host/release/faregate-fuzz-lines" --at-least 90 --of scheduler/src/format \

@@ -18,13 +18,16 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let disk = Disk::default();
     let options = |damage| Options { compaction: Compaction::Never, damage, ..Options::default() };
     drop(Journal::open_on(Arc::new(disk.clone()), options(Damage::Refuse)));
-    let changed = disk.rot(LOG, |file| match how % 2 {
+    let changed = disk.rot(LOG, |file| match how % 3 {
         0 => file.extend_from_slice(rest),
+        2 => *file = rest.to_vec(),
         _ => rest.split(|byte| *byte == b'\xFF').for_each(|payload| seal(file, payload)),
     });
     assert!(changed.is_ok(), "a new journal has a first log");
     let _ = Journal::open_on(Arc::new(disk.clone()), options(Damage::Refuse)).map(drop);
-    if let Ok((journal, first, _)) = Journal::open_on(Arc::new(disk.clone()), options(Damage::KeepWhatPrecedes)) {
+    if let Ok((journal, first, _)) =
+        Journal::open_on(Arc::new(disk.clone()), options(Damage::KeepWhatPrecedes))
+    {
         drop(journal);
         let again = Journal::open_on(Arc::new(disk.clone()), options(Damage::Refuse));
         let (_, second, _) = again.expect("what was opened once opens again");

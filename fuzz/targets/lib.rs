@@ -1,14 +1,21 @@
 //! What the targets share: a file is read, and what came of it is held to what
 //! is promised.
 
+use faregate_scheduler::Mission;
 use faregate_scheduler::format::{
     Against, Conflict, Diagnostic, Kind, Loaded, Options, read_with, render, write,
 };
 
 /// Reads a file in every way, and checks what comes of it.
 pub fn schedule(kind: Kind, bytes: &[u8]) {
-    for conflict in [Conflict::Mask, Conflict::Number] {
-        let options = Options { kind: Some(kind), conflict, ..Options::default() };
+    let mission = Mission { memory: Some(1_000), ..Mission::default() };
+    let ways = [
+        (Conflict::Mask, Against::Own, true),
+        (Conflict::Number, Against::Nothing, false),
+        (Conflict::Mask, Against::Mission(&mission), true),
+    ];
+    for (conflict, against, whole) in ways {
+        let options = Options { kind: Some(kind), conflict, against, whole };
         match read_with(options, "fuzzed", bytes) {
             Ok(loaded) => {
                 told(&loaded.warnings, bytes);
@@ -28,6 +35,7 @@ fn told(found: &[Diagnostic], bytes: &[u8]) {
     for one in found {
         let place = &one.place;
         assert!((1..=lines).contains(&place.line) && place.column >= 1, "{one}");
+        assert!(!one.to_string().contains(char::is_control), "a terminal would obey this");
         assert!(place.span.start <= place.span.end && place.span.end <= bytes.len(), "{one}");
     }
     let some = found.get(..found.len().min(20)).unwrap_or_default();
@@ -49,7 +57,8 @@ fn held(loaded: &Loaded) {
 }
 
 fn again(kind: Kind, text: &str) -> Loaded {
-    let options = Options { kind: Some(kind), against: Against::Nothing, whole: false, ..Options::default() };
+    let options =
+        Options { kind: Some(kind), against: Against::Nothing, whole: false, ..Options::default() };
     read_with(options, "written", text.as_bytes())
         .unwrap_or_else(|found| panic!("{}\n{text}", render(&found, text.as_bytes(), false)))
 }

@@ -5,7 +5,11 @@ use faregate_scheduler::format::say;
 
 libfuzzer_sys::fuzz_target!(|text: &str| {
     if let Ok(duration) = say::duration(text) {
-        let again = format!("{}.{:06}s", duration.as_micros() / 1_000_000, duration.as_micros() % 1_000_000);
+        let again = format!(
+            "{}.{:06}s",
+            duration.as_micros() / 1_000_000,
+            duration.as_micros() % 1_000_000
+        );
         assert_eq!(say::duration(&again), Ok(duration), "{again}");
         assert!(say::when(&format!("+{text}")).is_ok());
     }

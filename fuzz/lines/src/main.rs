@@ -49,7 +49,8 @@ fn main() -> Result<()> {
     let options = Options::parse();
     let root = std::env::current_dir()?;
     let looked_at = |file: &Path| {
-        let under = |places: &[PathBuf]| places.iter().any(|place| file.starts_with(root.join(place)));
+        let under =
+            |places: &[PathBuf]| places.iter().any(|place| file.starts_with(root.join(place)));
         under(&options.of) && !under(&options.without)
     };
     let mut lines = Lines::new();
@@ -84,10 +85,16 @@ fn print(lines: &Lines, root: &Path, missed: bool) -> (u64, u64) {
     table.load_style(ASCII_MARKDOWN).set_header(["file", "lines", "reached", "of a hundred"]);
     let (mut all, mut hit) = (0, 0);
     for (file, lines) in lines {
-        let (there, reached) = (lines.len() as u64, lines.values().filter(|hit| **hit).count() as u64);
+        let (there, reached) =
+            (lines.len() as u64, lines.values().filter(|hit| **hit).count() as u64);
         (all, hit) = (all + there, hit + reached);
         let name = file.strip_prefix(root).unwrap_or(file);
-        table.add_row([format!("`{}`", name.display()), there.to_string(), reached.to_string(), percent(reached, there)]);
+        table.add_row([
+            format!("`{}`", name.display()),
+            there.to_string(),
+            reached.to_string(),
+            percent(reached, there),
+        ]);
         if missed {
             let missed = lines.iter().filter(|(_, hit)| !**hit).map(|(line, _)| line.to_string());
             eprintln!("{}: {}", name.display(), missed.collect::<Vec<_>>().join(" "));

@@ -5,8 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
-use gimli::{AttributeValue, DwarfSections, EndianSlice, LittleEndian, LineRow, Unit};
-use object::{Object as _, ObjectSection as _};
+use gimli::{AttributeValue, DwarfSections, EndianSlice, LineRow, LittleEndian, Unit};
+use object::{Object as _, ObjectSection as _, SectionKind};
 
 type Slice<'a> = EndianSlice<'a, LittleEndian>;
 
@@ -15,7 +15,8 @@ pub(crate) type Places = BTreeMap<u64, BTreeSet<(PathBuf, u64)>>;
 
 /// The places of all lines of these files.
 pub(crate) fn places(program: &Path, looked_at: &dyn Fn(&Path) -> bool) -> Result<Places> {
-    let bytes = std::fs::read(program).with_context(|| format!("no program {}", program.display()))?;
+    let bytes =
+        std::fs::read(program).with_context(|| format!("no program {}", program.display()))?;
     let object = object::File::parse(bytes.as_slice())?;
     let load = |id: gimli::SectionId| -> Result<Cow<'_, [u8]>> {
         let section = object.section_by_name(id.name());
@@ -29,6 +30,10 @@ pub(crate) fn places(program: &Path, looked_at: &dyn Fn(&Path) -> bool) -> Resul
         let unit = dwarf.unit(header)?;
         of_unit(&dwarf, &unit, looked_at, &mut places)?;
     }
+    // The linker leaves the lines of what it removed at addresses from 0.
+    let code = object.sections().filter(|section| section.kind() == SectionKind::Text);
+    let code: Vec<_> = code.map(|one| one.address()..one.address() + one.size()).collect();
+    places.retain(|address, _| code.iter().any(|one| one.contains(address)));
     Ok(places)
 }
 
@@ -58,10 +63,9 @@ fn of_unit<'a>(
     Ok(())
 }
 
-/// A line that begins here. The linker leaves the lines of what it removed at
-/// the address 0.
+/// A line that begins here.
 fn line_of(row: &LineRow) -> Option<u64> {
-    let begins = row.is_stmt() && !row.end_sequence() && row.address() != 0;
+    let begins = row.is_stmt() && !row.end_sequence();
     row.line().filter(|_| begins).map(|line| line.get())
 }
 

@@ -29,8 +29,10 @@ pub(crate) fn reached(
     // other.
     let mut command = Command::new(std::env::current_exe()?);
     command.arg(HOST).arg(program).args(arguments);
-    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
-    let child = command.spawn().with_context(|| format!("{} cannot be started", program.display()))?;
+    let said = File::create(program.with_extension("said"))?;
+    command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(said);
+    let child =
+        command.spawn().with_context(|| format!("{} cannot be started", program.display()))?;
     let pid = Pid::from_raw(i32::try_from(child.id())?);
     match waitpid(pid, None)? {
         WaitStatus::Stopped(_, Signal::SIGTRAP) => {}
@@ -39,7 +41,7 @@ pub(crate) fn reached(
     ptrace::setoptions(pid, Options::PTRACE_O_TRACECLONE | Options::PTRACE_O_EXITKILL)?;
     let mut traced = Traced::new(pid, program)?;
     traced.set(addresses)?;
-    traced.run()
+    traced.run().with_context(|| format!("{0} said what is in {0}.said", program.display()))
 }
 
 /// The child's side: asks to be traced, and becomes the program.
@@ -70,7 +72,8 @@ impl Traced {
         let maps = std::fs::read_to_string(format!("/proc/{pid}/maps"))?;
         let name = program.canonicalize()?;
         let first = maps.lines().find(|line| line.ends_with(&*name.to_string_lossy()));
-        let start = first.and_then(|line| line.split('-').next()).context("the program is nowhere")?;
+        let start =
+            first.and_then(|line| line.split('-').next()).context("the program is nowhere")?;
         let base = u64::from_str_radix(start, 16)?;
         Ok(Self { pid, memory, base, before: BTreeMap::new(), reached: BTreeSet::new() })
     }
