@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-const GUARANTEES: [&str; 15] = [
+const GUARANTEES: [&str; 21] = [
     "No Bypass",
     "Open Door",
     "Closed Door",
@@ -19,6 +19,13 @@ const GUARANTEES: [&str; 15] = [
     "No Allocation",
     "Every Refusal Explains Itself",
     "Nothing Lost",
+    // The schedule manager's.
+    "No Task Without Tickets",
+    "Highest First, Among Tasks",
+    "Foretold",
+    "At Most Once",
+    "Shut Entrance",
+    "All Mistakes At Once",
 ];
 
 fn read(path: &str) -> String {

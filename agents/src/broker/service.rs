@@ -119,7 +119,8 @@ impl<'g, P: Platform, N: Notify, const G: usize, const T: usize, const S: usize>
             }
             if ledger.changed.is_empty() { find(ledger, now) } else { Found::Changed }
         });
-        for change in changed {
+        // Not by value: a vector's own iterator has a panic path.
+        for change in &changed {
             change.tell(&self.notify);
         }
         found.unwrap_or(Found::Due(None))
