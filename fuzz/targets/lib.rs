@@ -8,6 +8,8 @@ use faregate_scheduler::format::{
 
 /// Reads a file in every way, and checks what comes of it.
 pub fn schedule(kind: Kind, bytes: &[u8]) {
+    let name = format!("fuzzed.{}", format!("{kind:?}").to_lowercase());
+    assert_eq!(Kind::of(&name), Some(kind));
     let mission = Mission { memory: Some(1_000), ..Mission::default() };
     let ways = [
         (Conflict::Mask, Against::Own, true),
@@ -15,8 +17,8 @@ pub fn schedule(kind: Kind, bytes: &[u8]) {
         (Conflict::Mask, Against::Mission(&mission), true),
     ];
     for (conflict, against, whole) in ways {
-        let options = Options { kind: Some(kind), conflict, against, whole };
-        match read_with(options, "fuzzed", bytes) {
+        let options = Options { kind: None, conflict, against, whole };
+        match read_with(options, &name, bytes) {
             Ok(loaded) => {
                 told(&loaded.warnings, bytes);
                 held(&loaded);
@@ -38,6 +40,8 @@ fn told(found: &[Diagnostic], bytes: &[u8]) {
         assert!(!one.to_string().contains(char::is_control), "a terminal would obey this");
         assert!(place.span.start <= place.span.end && place.span.end <= bytes.len(), "{one}");
     }
+    let tools = serde_json::to_string(found).expect("tools can be told");
+    assert!(tools.matches("\"severity\":").count() >= found.len());
     let some = found.get(..found.len().min(20)).unwrap_or_default();
     let shown = render(some, bytes, false);
     assert!(!shown.contains('\u{1b}'), "a terminal would obey this");
