@@ -65,9 +65,9 @@ pub(crate) type Ticks = BTreeMap<i32, u64>;
 
 /// What was seen.
 pub(crate) struct Seen {
-    /// What was told, and when, in seconds after the load.
+    /// What was told, and when, in seconds after the beginning, as for commands.
     pub(crate) notes: Vec<(f64, Note)>,
-    /// What became of each command, and when it was answered.
+    /// What became of each command, and when it was asked.
     pub(crate) commands: Vec<(f64, Result<(), String>)>,
     /// The tree's use of processors before the pause, when it was paused, when
     /// it went on, and some time after.
@@ -160,7 +160,6 @@ pub(crate) fn play() -> Seen {
     let tickets: &Tickets = onboard.tickets();
     let (commander, over) = (tickets.commander(), Arc::new(AtomicBool::new(false)));
     let hammer = hammer(commander, began, Arc::clone(&over));
-    onboard.outside().began = Instant::now();
     onboard.load(tasks()).unwrap();
     let has = |onboard: &mut Onboard<Watch>, is: fn(&Note) -> bool| {
         onboard.outside().notes.iter().any(|(_, note)| is(note))
@@ -242,9 +241,9 @@ fn hammer(
     std::thread::spawn(move || {
         let mut answers = Vec::new();
         while !over.load(SeqCst) {
+            let asked = began.elapsed().as_secs_f64();
             let answer = commander.command(attempt, "camera", "on", &[]);
-            let answer = answer.map(drop).map_err(|refused| refused.to_string());
-            answers.push((began.elapsed().as_secs_f64(), answer));
+            answers.push((asked, answer.map(drop).map_err(|refused| refused.to_string())));
             std::thread::park_timeout(std::time::Duration::from_millis(5));
         }
         answers

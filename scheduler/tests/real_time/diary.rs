@@ -1,9 +1,11 @@
 //! Writes down what a manager on the host's clock tells.
 
+use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
+
 use faregate_scheduler::executive::{Correspondent, LoadedFile, Outside, Watched};
 use faregate_scheduler::manager::{Attempt, Event, Manager, Note, Reply, TelecommandId};
 use faregate_scheduler::task::Task;
-use faregate_scheduler::time::{Instant, Now};
+use faregate_scheduler::time::{Duration, Instant, Now};
 use faregate_scheduler::{Mission, Onboard};
 
 /// What was told, and when.
@@ -37,8 +39,30 @@ impl Correspondent for Diary {
     fn poll(&mut self, _: Now, _: &Manager, _: &mut Vec<Event>) {}
 }
 
-/// Runs these tasks until so long after their load.
-pub(crate) fn run(tasks: Vec<Task>, until: Instant) -> Vec<(Instant, Note)> {
+/// Runs these tasks until so long after their load. Answers how late a thread
+/// woke meanwhile that does nothing else.
+pub(crate) fn run(tasks: Vec<Task>, until: Instant) -> (Vec<(Instant, Note)>, Duration) {
+    let over = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        let late = scope.spawn(|| worst_wake_up(&over));
+        let told = play(tasks, until);
+        over.store(true, SeqCst);
+        (told, late.join().unwrap())
+    })
+}
+
+fn worst_wake_up(over: &AtomicBool) -> Duration {
+    const PERIOD: std::time::Duration = std::time::Duration::from_millis(2);
+    let mut worst = std::time::Duration::ZERO;
+    while !over.load(SeqCst) {
+        let asleep = std::time::Instant::now();
+        std::thread::park_timeout(PERIOD);
+        worst = worst.max(asleep.elapsed().saturating_sub(PERIOD));
+    }
+    worst.into()
+}
+
+fn play(tasks: Vec<Task>, until: Instant) -> Vec<(Instant, Note)> {
     let builder = Onboard::builder(Mission::default()).unwrap();
     let mut onboard = builder.start_with(|_, _, _| Ok(Diary::default())).unwrap();
     onboard.load(tasks).unwrap();
