@@ -139,6 +139,10 @@ impl PlaceBook {
         }
     }
 
+    pub(super) fn is_off(&self, broker: &Broker) -> bool {
+        self.device_state(broker) == DeviceState::Off
+    }
+
     /// Where nobody can say, it counts as in use.
     fn device_state(&self, broker: &Broker) -> DeviceState {
         let report = broker.agents().device(self.handle.gate());

@@ -34,6 +34,10 @@ pub struct Tickets {
     pub(super) arrivals: u64,
     pub(super) lease: Duration,
     pub(super) renewal: Option<Instant>,
+    /// A place is not off that is to be. It rings when it is made safe, but the
+    /// agents may hear of that later than the manager, whose measurement then
+    /// came too early: so it is measured again.
+    pub(super) unsettled: bool,
     /// When it was looked at last.
     pub(super) looked: Instant,
 }
@@ -59,6 +63,7 @@ impl Tickets {
             arrivals: 0,
             lease,
             renewal: None,
+            unsettled: false,
             looked: Instant::START,
         }
     }

@@ -11,8 +11,7 @@ use crate::time::{Duration, Instant, Now};
 
 /// So often in the time of a lease is it renewed: twice in vain is not too late.
 const RENEWALS: u64 = 3;
-/// When a place is looked at again that is being vacated while somebody waits
-/// for it, and that nobody tells of.
+/// When a place is looked at again that is to be off, and is not yet.
 const LOOK_AGAIN: Duration = Duration::from_millis(1);
 
 impl TicketPort for Tickets {
@@ -77,9 +76,7 @@ impl TicketPort for Tickets {
     }
 
     fn next_due(&self) -> Option<Instant> {
-        let waits = self.entries.values().any(|entry| entry.seat.is_none());
-        let leaves = self.places.iter().any(|place| place.state == PlaceState::Leaving);
-        let again = (waits && leaves).then_some(self.looked.after(LOOK_AGAIN));
+        let again = self.unsettled.then_some(self.looked.after(LOOK_AGAIN));
         self.renewal.into_iter().chain(again).min()
     }
 }
@@ -98,6 +95,7 @@ impl Tickets {
     fn free_places(&mut self) {
         let is_leaving = |place: &&mut PlaceBook| place.state == PlaceState::Leaving;
         let stopped = self.stopped_and_charged();
+        self.unsettled = false;
         if stopped.is_empty() && !self.places.iter_mut().any(|place| is_leaving(&place)) {
             return;
         }
@@ -105,9 +103,17 @@ impl Tickets {
         for place in self.places.iter_mut().filter(is_leaving) {
             place.free(&self.broker);
         }
-        for occurrence in stopped {
-            self.see_off(occurrence);
+        for occurrence in &stopped {
+            self.see_off(*occurrence);
         }
+        self.unsettled = self.places.iter_mut().any(|place| is_leaving(&place))
+            || stopped.iter().any(|occurrence| self.is_charged(*occurrence));
+    }
+
+    fn is_charged(&self, occurrence: Occurrence) -> bool {
+        let seat = self.entries.get(&occurrence).and_then(|entry| entry.seat.as_ref());
+        let place = seat.and_then(|seat| self.places.get(seat.place));
+        place.is_some_and(|place| !place.is_off(&self.broker))
     }
 
     fn drive_those_who_wait(&self) {
