@@ -52,6 +52,9 @@ skip() {
 }
 host=$(rustc -vV | sed -n 's/^host: //p')
 [[ $host == *-linux-* ]] || skip "libFuzzer is built for Linux here, and this is $host"
+if ! command -v "${CXX:-c++}" >/dev/null && [[ $(id -u) == 0 ]] && command -v apt-get >/dev/null; then
+    apt-get update -qq && apt-get install -qq -y --no-install-recommends g++ >/dev/null || true
+fi
 command -v "${CXX:-c++}" >/dev/null || skip "there is no C++ compiler for libFuzzer (apt-get install g++)"
 
 out=${CARGO_TARGET_DIR:-$PWD/target}/fuzz
