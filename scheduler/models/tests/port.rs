@@ -2,6 +2,9 @@
 //! meet, and every value that memory may show them.
 #![cfg(loom)]
 
+#[path = "port/sys.rs"]
+mod sys;
+
 use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
 
@@ -9,6 +12,7 @@ use faregate_scheduler_models::beat::Beat;
 use faregate_scheduler_models::entrance::{Entrance, Quiet};
 use loom::cell::UnsafeCell;
 use loom::sync::atomic::{AtomicBool, Ordering};
+use sys::{read, write};
 
 /// Explores, prints how many executions that were, and wants at least `floor`:
 /// a model that explores nothing looks green.
@@ -72,23 +76,6 @@ impl Attempt {
     /// The next attempt begins.
     fn begin_next(&self) {
         self.tickets.with_mut(|of| write(of, 2));
-    }
-}
-
-use sys::{read, write};
-
-/// The cell behind loom's, which hands out pointers.
-mod sys {
-    #![expect(unsafe_code, reason = "loom's cell hands out pointers")]
-
-    pub(super) fn read(of: *const u32) -> u32 {
-        // SAFETY: of loom's cell, which checks that nobody writes meanwhile.
-        unsafe { *of }
-    }
-
-    pub(super) fn write(of: *mut u32, attempt: u32) {
-        // SAFETY: of loom's cell, which checks that nobody else looks meanwhile.
-        unsafe { *of = attempt }
     }
 }
 
