@@ -14,7 +14,7 @@
 //! use faregate_tickets::amount::Milliwatts;
 //! use faregate_tickets::clock::{Clock, Duration};
 //!
-//! let spec = UnitSpec::new("imager", "camera", None, &BTreeMap::new())?;
+//! let spec = UnitSpec::new("imager", "camera", None, &BTreeMap::new()).expect("a camera");
 //! let clock = SimClock::virtual_time();
 //! let supplies = Supplies::of(Milliwatts::from_watts(42));
 //! let payload = Payload::new(supplies, vec![spec], 7, &clock);
