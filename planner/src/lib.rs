@@ -1,0 +1,33 @@
+//! The onboard planner: which activities run, when, and why the others do not.
+//!
+//! A pure function: a plan from the ground, parameters, the present state and
+//! the present instant go in; a timed plan that keeps every limit comes out,
+//! with a reason for each activity that was left out. The same lines run on the
+//! ground, on board and in a test. There is no clock, thread, file or random
+//! number inside, and equal input gives an equal plan.
+//!
+//! After Rabideau and Benowitz, *Prototyping an Onboard Scheduler for the Mars
+//! 2020 Rover* (IWPSS 2017).
+//!
+//! # The parts
+//!
+//! | part | what |
+//! |---|---|
+//! | [`units`] | instants, spans, fractions: integers |
+//! | [`plan`] | what the ground writes: activities and limits of the plan |
+//! | [`parameters`] | what only the ground changes: limits, powers, preheat tables |
+//! | [`state`] | what is so now |
+//! | [`timed`] | what the planner answers |
+
+#![forbid(unsafe_code)]
+
+pub mod parameters;
+pub mod plan;
+pub mod state;
+pub mod timed;
+pub mod units;
+
+pub use parameters::Parameters;
+pub use plan::{Activity, ActivityId, Plan};
+pub use state::State;
+pub use timed::TimedPlan;
