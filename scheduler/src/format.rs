@@ -39,7 +39,6 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 pub use diagnostic::{Also, Diagnostic, Place, Rule, Severity};
-pub use policy::DEFAULT_GRACE;
 pub use render::render;
 pub use scalar::Conflict;
 pub use write::{NotHeld, write};

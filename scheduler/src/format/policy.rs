@@ -5,10 +5,8 @@ use faregate_tickets::clock::Duration;
 use crate::format::diagnostic::Rule;
 use crate::format::scalar;
 use crate::format::wrong::{Wrong, shown};
+use crate::manager::limits::GRACE;
 use crate::task::{Body, CheckpointSignal, Preemption, Task};
-
-/// The grace of a checkpoint or a kill for which none is stated.
-pub const DEFAULT_GRACE: Duration = Duration::from_secs(5);
 
 /// The signals that can tell a process to save its work, by name.
 pub(crate) const SIGNALS: [(&str, CheckpointSignal); 5] = [
@@ -47,7 +45,7 @@ pub(crate) fn combine(
     grace: Option<Duration>,
     signal: Option<CheckpointSignal>,
 ) -> Result<Preemption, Wrong> {
-    let time = grace.unwrap_or(DEFAULT_GRACE);
+    let time = grace.unwrap_or(GRACE);
     match (way, grace, signal) {
         ("checkpoint", _, signal) => {
             Ok(Preemption::Checkpoint { grace: time, signal: signal.unwrap_or_default() })
@@ -124,7 +122,7 @@ mod tests {
     fn a_column_holds_a_grace_and_a_signal() {
         let kill = Preemption::Kill { grace: Duration::from_millis(2_500) };
         assert_eq!(pre_emption("kill:2.5"), Ok(kill));
-        assert_eq!(pre_emption("kill"), Ok(Preemption::Kill { grace: DEFAULT_GRACE }));
+        assert_eq!(pre_emption("kill"), Ok(Preemption::Kill { grace: GRACE }));
         let told = Preemption::Checkpoint {
             grace: Duration::from_secs(10),
             signal: CheckpointSignal::User2,

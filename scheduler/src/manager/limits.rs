@@ -23,7 +23,8 @@ pub const ARMED_AHEAD: Duration = Duration::from_millis(50);
 pub const LATENESS: Duration = Duration::from_millis(100);
 
 /// How long a body that declares no grace has between being told to end and
-/// being killed.
-pub const GRACE: Duration = Duration::from_secs(2);
+/// being killed: what a checkpoint or a kill may take where the schedule does
+/// not say, and what a body has that is aborted and has no such policy.
+pub const GRACE: Duration = Duration::from_secs(5);
 
 const _: () = assert!(SLOTS <= MOST_ARMED, "everything that can start at an instant is armed");

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use faregate_agents::Categories;
-use faregate_scheduler::format::DEFAULT_GRACE;
+use faregate_scheduler::manager::limits::GRACE;
 use faregate_scheduler::task::{
     Body, BuiltIn, CheckpointSignal, Dependency, Overrun, Preemption, Restart, Spread, Status,
     Step, TaskPriority, When, Window,
@@ -107,7 +107,7 @@ fn pre_emption() -> impl Strategy<Value = Preemption> {
         CheckpointSignal::HangUp,
         CheckpointSignal::Interrupt,
     ]);
-    let grace = prop_oneof![Just(DEFAULT_GRACE), duration()].boxed();
+    let grace = prop_oneof![Just(GRACE), duration()].boxed();
     prop_oneof![
         Just(Preemption::Wait),
         Just(Preemption::Pause),
