@@ -284,8 +284,8 @@ impl Builder {
             let link = SocketLink::listen(&path, self.schedules, self.waker.clone());
             links.add(link.map_err(|error| NotOnboard::Control(path, error))?);
         }
-        // What an earlier manager left ends here, before anything starts.
         let around = Surroundings { ports: Box::new(ports), commands, functions: self.functions };
+        // What an earlier manager left ends here, before anything starts.
         let bodies = RealBodies::new(self.settings, self.waker.clone(), around)?;
         let outside = outside(links, &tickets, &self.waker)?;
         let ports = (bodies, tickets, self.kept, outside);
