@@ -5,7 +5,16 @@
 
 use core::fmt;
 
-/// A length of time, in microseconds.
+/// A length of time, in microseconds. People are shown as much of it as they
+/// can use:
+///
+/// ```
+/// use faregate_tickets::clock::Duration;
+///
+/// let shown = |us| Duration::from_micros(us).to_string();
+/// assert_eq!([shown(9_999), shown(10_000), shown(999_999)], ["9999 us", "10.0 ms", "999.9 ms"]);
+/// assert_eq!([shown(1_000_000), shown(2_500_000), shown(90_125_000)], ["1 s", "2.5 s", "90.125 s"]);
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Duration(u64);
@@ -82,9 +91,19 @@ impl fmt::Display for Duration {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.0 {
             us if us < 10_000 => write!(f, "{us} us"),
-            us if us < 10_000_000 => write!(f, "{}.{} ms", us / 1_000, us / 100 % 10),
-            us => write!(f, "{}.{} s", us / 1_000_000, us / 100_000 % 10),
+            us if us < 1_000_000 => write!(f, "{}.{} ms", us / 1_000, us / 100 % 10),
+            us => seconds(f, us / 1_000_000, us / 1_000 % 1_000),
         }
+    }
+}
+
+/// As people write them: `3 s`, `2.5 s`, `1.125 s`.
+fn seconds(f: &mut fmt::Formatter<'_>, whole: u64, thousandths: u64) -> fmt::Result {
+    match thousandths {
+        0 => write!(f, "{whole} s"),
+        of if of % 100 == 0 => write!(f, "{whole}.{} s", of / 100),
+        of if of % 10 == 0 => write!(f, "{whole}.{:02} s", of / 10),
+        of => write!(f, "{whole}.{of:03} s"),
     }
 }
 
