@@ -26,6 +26,7 @@
 mod client;
 mod convert;
 mod door;
+mod files;
 mod lines;
 mod link;
 mod listen;
@@ -39,6 +40,9 @@ pub use status::StatusSource;
 
 /// The most connections at a time. More are refused.
 pub const MAX_CLIENTS: usize = 16;
+
+/// The longest schedule file that a task may load, in bytes.
+pub const MAX_FILE: u64 = 64 << 20;
 
 /// How many changes wait for who watches. More are counted.
 pub const MAX_NOTES: usize = 4096;

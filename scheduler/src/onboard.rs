@@ -278,7 +278,7 @@ impl Builder {
         let tickets = self.installation.start()?;
         let commands: Arc<dyn Commands> = Arc::new(tickets.commander());
         let ports = CommandServer::start(Arc::clone(&commands), self.waker.clone())?;
-        let mut links = Links::new(Arc::clone(&self.schedules));
+        let mut links = Links::new(Arc::clone(&self.schedules), self.waker.clone());
         links.hear(ports.clone());
         if let Some(path) = self.control {
             let link = SocketLink::listen(&path, self.schedules, self.waker.clone());

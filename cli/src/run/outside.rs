@@ -127,6 +127,10 @@ impl Watched for Ground {
 }
 
 impl Correspondent for Ground {
+    fn loaded(&mut self) -> Option<(Attempt, LoadedFile)> {
+        self.links.loaded()
+    }
+
     fn poll(&mut self, now: Now, manager: &Manager, events: &mut Vec<Event>) {
         self.links.poll(now, manager, events);
         let told = |event: &Event| {

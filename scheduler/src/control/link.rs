@@ -6,8 +6,9 @@ use std::sync::Arc;
 use faregate_client::wire::control::{Answer, StatusQuery};
 use faregate_client::{RefusalKind, Refused};
 
+use crate::control::files::Files;
 use crate::control::{ReadSchedule, StatusSource, status};
-use crate::executive::{Correspondent, LoadedFile, Outside, Watched};
+use crate::executive::{Correspondent, LoadedFile, Outside, Waker, Watched};
 use crate::manager::{Attempt, Event, Manager, Note, Reply, Telecommand, TelecommandId};
 use crate::port::CommandServer;
 use crate::time::Now;
@@ -52,17 +53,19 @@ pub enum What {
 #[expect(missing_debug_implementations, reason = "links and a reader of files: nothing to show")]
 pub struct Links {
     links: Vec<Box<dyn Link>>,
-    schedules: Arc<dyn ReadSchedule>,
+    files: Files,
     ports: Option<CommandServer>,
     next: u64,
     open: HashMap<TelecommandId, (usize, AskId)>,
 }
 
 impl Links {
-    /// No links yet. Schedule files that a task loads are read by `schedules`.
+    /// No links yet. Schedule files that a task loads are read by `schedules`,
+    /// on a thread of their own, which rings the manager's bell.
     #[must_use]
-    pub fn new(schedules: Arc<dyn ReadSchedule>) -> Self {
-        Self { links: Vec::new(), schedules, ports: None, next: 0, open: HashMap::new() }
+    pub fn new(schedules: Arc<dyn ReadSchedule>, manager: Waker) -> Self {
+        let files = Files::new(schedules, manager);
+        Self { links: Vec::new(), files, ports: None, next: 0, open: HashMap::new() }
     }
 
     /// Adds a link.
@@ -117,11 +120,8 @@ impl Outside for Links {
         }
     }
 
-    fn load(&mut self, _: Attempt, path: &str) -> Option<LoadedFile> {
-        let text = std::fs::read_to_string(path).map_err(|error| format!("{path}: {error}"));
-        Some(text.and_then(|text| {
-            self.schedules.read(path, &text).map_err(|refused| refused.to_string())
-        }))
+    fn load(&mut self, attempt: Attempt, path: &str) -> Option<LoadedFile> {
+        self.files.ask(attempt, path).err().map(Err)
     }
 }
 
@@ -130,5 +130,9 @@ impl Watched for Links {}
 impl Correspondent for Links {
     fn poll(&mut self, now: Now, manager: &Manager, events: &mut Vec<Event>) {
         self.collect(now, manager, events);
+    }
+
+    fn loaded(&mut self) -> Option<(Attempt, LoadedFile)> {
+        self.files.answer()
     }
 }

@@ -74,6 +74,8 @@ pub struct Driver {
     manager: Manager,
     modes: Vec<ModeSpec>,
     told: Vec<Event>,
+    /// Whose files are being read.
+    reading: Vec<Attempt>,
     loads: Vec<(TelecommandId, Attempt)>,
     asked: Vec<(TelecommandId, Option<Reply>)>,
     next_own: u64,
@@ -113,6 +115,7 @@ impl Driver {
             manager,
             modes,
             told: Vec::new(),
+            reading: Vec::new(),
             loads: Vec::new(),
             asked: Vec::new(),
             next_own: FIRST_OWN,
@@ -133,8 +136,18 @@ impl Driver {
     }
 
     /// A file was read for the body of this attempt. The next turn adds its
-    /// tasks, all or none.
+    /// tasks, all or none; none of them if the attempt was stopped meanwhile.
     pub fn loaded(&mut self, attempt: Attempt, file: LoadedFile) {
+        if self.was_reading(attempt) {
+            self.take(attempt, file);
+        }
+    }
+
+    fn was_reading(&mut self, attempt: Attempt) -> bool {
+        self.reading.extract_if(.., |reading| *reading == attempt).next().is_some()
+    }
+
+    fn take(&mut self, attempt: Attempt, file: LoadedFile) {
         let tasks = match file {
             Ok(tasks) => tasks,
             Err(why) => {
@@ -237,16 +250,20 @@ impl Driver {
                     ports.bodies.start(StartBody { attempt, task, now });
                 }
             }
+            // Who reads goes on, and nobody hears of it any more.
+            Action::Stop { attempt, .. } if self.was_reading(attempt) => {
+                let exit = Exit::Failed("stopped before its file was read".to_owned());
+                self.tell(Event::Exited { attempt, exit });
+            }
             Action::Stop { attempt, how, why } => ports.bodies.stop(attempt, how, &why, now),
             Action::Continue { attempt } => {
                 ports.tickets.started(attempt, now);
                 ports.bodies.resume(attempt, now);
             }
-            Action::Load { attempt, path } => {
-                if let Some(file) = ports.outside.load(attempt, &path) {
-                    self.loaded(attempt, file);
-                }
-            }
+            Action::Load { attempt, path } => match ports.outside.load(attempt, &path) {
+                Some(file) => self.take(attempt, file),
+                None => self.reading.push(attempt),
+            },
             Action::Reserve { mode } => {
                 let gates = self.modes.iter().find(|spec| spec.name == mode);
                 let gates = gates.map_or(&[][..], |spec| &spec.reserves);

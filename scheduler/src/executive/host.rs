@@ -11,9 +11,9 @@ use rustix::event::{PollFd, PollFlags, poll};
 use rustix::io::Errno;
 
 use crate::executive::{
-    Bodies, Driver, HostClock, JournalSink, Outside, Ports, TicketPort, Timers, Waker,
+    Bodies, Driver, HostClock, JournalSink, LoadedFile, Outside, Ports, TicketPort, Timers, Waker,
 };
-use crate::manager::{Event, Manager, Reply, Restored, Telecommand};
+use crate::manager::{Attempt, Event, Manager, Reply, Restored, Telecommand};
 use crate::mission::Mission;
 use crate::time::{Due, Instant, Now};
 
@@ -31,6 +31,12 @@ pub trait Correspondent: Outside + Watched {
     /// What was asked since: telecommands and readings. Questions about the
     /// schedule are answered at once.
     fn poll(&mut self, now: Now, manager: &Manager, events: &mut Vec<Event>);
+
+    /// A schedule file that was to be read later, and has been since.
+    fn loaded(&mut self) -> Option<(Attempt, LoadedFile)> {
+        // For those who read files at once, or none.
+        None
+    }
 }
 
 /// Runs a schedule in real time.
@@ -175,6 +181,9 @@ where
         self.outside.poll(now, self.driver.manager(), &mut events);
         for event in events {
             self.driver.tell(event);
+        }
+        while let Some((attempt, file)) = self.outside.loaded() {
+            self.driver.loaded(attempt, file);
         }
         let mut ports = Ports {
             bodies: &mut self.bodies,

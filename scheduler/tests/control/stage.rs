@@ -141,7 +141,7 @@ impl Stage {
             counts: Arc::clone(&counts),
             thread: None,
         };
-        let mut links = Links::new(Arc::new(read));
+        let mut links = Links::new(Arc::new(read), waker.clone());
         links.add(Counted(link, counts));
         let (schedule, stop) = (Arc::clone(&stage.schedule), Arc::clone(&stage.stop));
         let is_deaf = Arc::clone(&stage.is_deaf);

@@ -6,7 +6,7 @@ use faregate_scheduler::manager::{Record, Reply, State, Telecommand};
 use faregate_scheduler::mission::{DeviceSpec, ModeSpec};
 use faregate_scheduler::task::{Body, BuiltIn, Outcome, Preemption, Task, TaskPriority};
 
-use crate::world::{With, World, id, task, wall};
+use crate::world::{SLOW, With, World, id, task, wall};
 
 fn refused(reply: Reply) -> String {
     match reply {
@@ -244,6 +244,40 @@ fn the_manager_does_by_itself_what_a_task_can_ask_of_it() {
     );
     assert_eq!(world.lines(&["task 9 succeeded"]).len(), 1);
     assert!(world.manager().is_over());
+}
+
+#[test]
+fn a_file_that_is_read_slowly_delays_nobody_and_is_loaded_when_it_was_read() {
+    let mut world = World::of([
+        built_in(1, BuiltIn::Load(SLOW.into())).at(5.0),
+        task(2, 1.0).at(6.0),
+        task(3, 1.0).at(50.0),
+    ]);
+    world.until(20.0);
+    world.read_slowly(Ok(vec![task(7, 1.0)]));
+    world.until(30.0);
+    assert_eq!(
+        world.lines(&["task 1 attempt", "started"]),
+        [
+            "5.000 task 1 attempt 1 started",
+            "6.000 task 2 attempt 1 started",
+            "20.000 task 1 attempt 1 succeeded (exit code 0)",
+            "20.000 task 7 attempt 1 started",
+        ]
+    );
+}
+
+#[test]
+fn a_load_that_was_stopped_while_its_file_was_read_adds_nothing() {
+    let mut world = World::of([built_in(1, BuiltIn::Load(SLOW.into())), task(3, 1.0).at(50.0)]);
+    world.until(5.0);
+    assert_eq!(world.ask(Telecommand::Remove(vec![id(1)])), Reply::Done);
+    world.until(10.0);
+    world.read_slowly(Ok(vec![task(7, 1.0)]));
+    world.until(20.0);
+    assert_eq!(world.lines(&["task 1 aborted"]), ["5.000 task 1 aborted"]);
+    assert_eq!(world.lines(&["task 7"]), [""; 0]);
+    assert!(world.manager().task(id(7)).is_none());
 }
 
 #[test]

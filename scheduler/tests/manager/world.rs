@@ -26,7 +26,12 @@ pub(crate) struct Log {
     pub(crate) lines: Vec<String>,
     pub(crate) replies: BTreeMap<TelecommandId, Reply>,
     pub(crate) files: BTreeMap<String, LoadedFile>,
+    /// Who waits for the file that takes its time.
+    pub(crate) reads_slowly: Option<Attempt>,
 }
+
+/// The file that is read later: when the test says so.
+pub(crate) const SLOW: &str = "slow.csv";
 
 impl Log {
     fn say(&mut self, now: Now, text: &str) {
@@ -68,7 +73,11 @@ impl Outside for People<'_> {
         self.0.replies.insert(id, reply);
     }
 
-    fn load(&mut self, _: Attempt, path: &str) -> Option<LoadedFile> {
+    fn load(&mut self, attempt: Attempt, path: &str) -> Option<LoadedFile> {
+        if path == SLOW {
+            self.0.reads_slowly = Some(attempt);
+            return None;
+        }
         Some(self.0.files.remove(path).unwrap_or_else(|| Err(format!("no file {path}"))))
     }
 }
@@ -163,6 +172,12 @@ impl World {
     /// Something happens now.
     pub(crate) fn tell(&mut self, event: Event) {
         self.driver.tell(event);
+        self.settle();
+    }
+
+    /// The file that takes its time was read now.
+    pub(crate) fn read_slowly(&mut self, file: LoadedFile) {
+        self.driver.loaded(self.log.reads_slowly.expect("nobody reads it"), file);
         self.settle();
     }
 
