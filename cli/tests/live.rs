@@ -122,6 +122,42 @@ fn a_task_that_is_pre_empted_is_refused_by_name_and_goes_on() {
 }
 
 #[test]
+fn a_script_learns_who_took_its_tickets_from_a_field() {
+    let scratch = Scratch::new();
+    let script = "
+        trap 'faregate command --format json camera off >said; exit' USR1
+        faregate command --format json camera on >done
+        while :; do sleep 0.1; done
+    ";
+    scratch.file("short.sh", script);
+    let tasks = "
+        [[task]]
+        id = 1
+        run = 'sh short.sh'
+        gates = ['camera']
+        preempt = 'checkpoint'
+        grace = 60
+        [[task]]
+        id = 2
+        pri = 50
+        st = '+1'
+        run = 'sleep 1'
+        gates = ['camera']
+    ";
+    let mission = scratch.file("mission.toml", format!("{MISSION}{tasks}"));
+    let mut run = Run::start(&scratch, &[mission.to_str().unwrap()]);
+    run.until("succeeded task 2");
+    let said = |name: &str| -> serde_json::Value {
+        serde_json::from_slice(&fs::read(scratch.path(name)).unwrap()).unwrap()
+    };
+    assert_eq!(said("done"), serde_json::json!({"done": {"reply": ""}}));
+    let refused = &said("said")["refused"];
+    assert_eq!(refused["kind"], "preempted", "{refused}");
+    assert_eq!(refused["taker"], "task 2", "{refused}");
+    run.end();
+}
+
+#[test]
 fn a_mode_takes_its_gates_and_gives_them_back() {
     let scratch = Scratch::new();
     let task = "[[task]]\nid = 1\nrun = 'sleep 600'\ngates = ['heater']\npri = 10\n";

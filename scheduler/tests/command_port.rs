@@ -65,6 +65,7 @@ fn a_refusal_says_why_to_people_and_to_programs() {
     let (_, mut port) = stage.connected();
     let why = refusal(port.command("nowhere", "on", &[]));
     assert_eq!((why.kind, &*why.reason), (RefusalKind::UnknownGate, "no gate nowhere"));
+    assert_eq!(why.taker, None, "nobody took anything");
     assert_eq!(stage.server.counts().refused, 1);
 }
 
@@ -76,6 +77,7 @@ fn while_its_tickets_are_taken_a_task_is_refused_and_hears_by_whom() {
     stage.devices.taken_by(Some("task 32"));
     let why = refusal(port.command("camera", "on", &[]));
     assert_eq!((why.kind, &*why.reason), (RefusalKind::Preempted, "pre-empted by task 32"));
+    assert_eq!(why.taker.as_deref(), Some("task 32"), "a program need not read the reason");
     stage.devices.taken_by(None);
     port.command("camera", "off", &[]).unwrap();
     assert_eq!(stage.devices.seen(), ["camera on", "camera off"]);

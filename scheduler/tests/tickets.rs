@@ -162,6 +162,7 @@ fn the_commands_of_a_task_are_refused_with_the_name_of_the_taker() {
     // At once: nobody has told the manager yet.
     let taken = "Taken: the ticket is not valid: taken by task 2 at priority 200";
     assert_eq!(rig.command(1, "camera", "on"), Err(taken.to_owned()));
+    assert_eq!(rig.taker(1, "camera"), Some("task 2".to_owned()));
     rig.taken(1, "task 2");
     rig.stop(1);
     rig.granted(2);
@@ -180,6 +181,7 @@ fn the_commands_of_an_equal_that_was_chosen_as_a_victim_name_the_taker_too() {
     rig.request(2, &needs(5).commanding(&["camera"]), &[1]);
     let taken = "Taken: the ticket is not valid: taken by task 2";
     assert_eq!(rig.command(1, "camera", "on"), Err(taken.to_owned()));
+    assert_eq!(rig.taker(1, "camera"), Some("task 2".to_owned()));
 }
 
 #[test]

@@ -125,4 +125,8 @@ pub(crate) struct CommandArgs {
     /// Its arguments.
     #[arg(value_name = "ARGS", trailing_var_arg = true, allow_hyphen_values = true)]
     pub(crate) arguments: Vec<String>,
+    /// How the answer or the refusal is printed. What comes after COMMAND is the
+    /// device's.
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) format: Format,
 }

@@ -194,9 +194,8 @@ impl Hands {
 
     fn command(&self, attempt: Attempt, step: &Step) -> Result<String, CommandRefused> {
         let command = || self.commands.command(attempt, &step.gate, &step.command, &step.arguments);
-        catch_unwind(AssertUnwindSafe(command)).unwrap_or_else(|thrown| {
-            Err(CommandRefused { kind: RefusedKind::Fault, reason: text(thrown) })
-        })
+        catch_unwind(AssertUnwindSafe(command))
+            .unwrap_or_else(|thrown| Err(CommandRefused::new(RefusedKind::Fault, text(thrown))))
     }
 }
 

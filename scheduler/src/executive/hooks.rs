@@ -43,6 +43,16 @@ pub struct CommandRefused {
     pub kind: RefusedKind,
     /// Which rule, by how much, who has it, for people.
     pub reason: String,
+    /// Who took the tickets, where that is known: a task, a mode.
+    pub taken_by: Option<String>,
+}
+
+impl CommandRefused {
+    /// A refusal of this kind, for this reason, of which no taker is known.
+    #[must_use]
+    pub fn new(kind: RefusedKind, reason: impl Into<String>) -> Self {
+        Self { kind, reason: reason.into(), taken_by: None }
+    }
 }
 
 /// The kinds of refusals of a command.
@@ -141,6 +151,6 @@ impl Commands for NoDevices {
         _: &[String],
     ) -> Result<String, CommandRefused> {
         let reason = format!("the mission has no gate {gate:?}");
-        Err(CommandRefused { kind: RefusedKind::NoSuchGate, reason })
+        Err(CommandRefused::new(RefusedKind::NoSuchGate, reason))
     }
 }

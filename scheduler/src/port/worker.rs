@@ -88,7 +88,7 @@ pub(super) fn over(attempt: Attempt) -> Refused {
 /// The broker contains what drivers do; this is about whoever is between.
 fn panicked(gate: &str) -> CommandRefused {
     let reason = format!("the command panicked on its way to {gate}: a defect of the manager");
-    CommandRefused { kind: RefusedKind::Fault, reason }
+    CommandRefused::new(RefusedKind::Fault, reason)
 }
 
 fn told(refused: CommandRefused) -> Refused {
@@ -101,5 +101,5 @@ fn told(refused: CommandRefused) -> Refused {
         RefusedKind::NotNow => RefusalKind::Limit,
         RefusedKind::Fault => RefusalKind::Faulted,
     };
-    Refused::new(kind, refused.reason)
+    Refused { taker: refused.taken_by, ..Refused::new(kind, refused.reason) }
 }

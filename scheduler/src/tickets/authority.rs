@@ -144,14 +144,14 @@ impl Commander {
             Refusal::Undeclared => RefusedKind::BadCommand,
             _ => RefusedKind::Taken,
         };
-        let taker = authority.taken_by.lock().clone();
-        let reason = match (refusal, taker) {
+        let chosen = authority.taken_by.lock().clone();
+        let (reason, taken_by) = match (refusal, chosen) {
             (Refusal::NotValid(Why::NotYetGranted), Some(by)) => {
-                format!("the ticket is not valid: taken by {by}")
+                (format!("the ticket is not valid: taken by {by}"), Some(by))
             }
-            _ => self.0.names.refused(refusal),
+            _ => (self.0.names.refused(refusal), self.0.names.taken_by(refusal)),
         };
-        CommandRefused { kind, reason }
+        CommandRefused { kind, reason, taken_by }
     }
 }
 
@@ -168,8 +168,9 @@ impl Commands for Commander {
         let device = authority.tickets.iter().find(|device| device.gate == gate);
         let device = device.ok_or_else(|| not_its_gate(attempt, gate))?;
         let parsed = named.parse(command, arguments);
-        let command =
-            parsed.map_err(|why| refuse(RefusedKind::BadCommand, format!("{gate}: {why}")))?;
+        let command = parsed.map_err(|why| {
+            CommandRefused::new(RefusedKind::BadCommand, format!("{gate}: {why}"))
+        })?;
         let done = invoke(device, &authority, attempt, command);
         device.renew_if_due();
         match done {
@@ -177,11 +178,12 @@ impl Commands for Commander {
             Some(Ok(reply)) => Ok(reply.to_string()),
             Some(Err(InvokeError::Refused(refusal))) => Err(self.refused(&authority, refusal)),
             Some(Err(InvokeError::Fault(fault))) => {
-                Err(refuse(RefusedKind::Fault, format!("{gate} failed: {fault}")))
+                Err(CommandRefused::new(RefusedKind::Fault, format!("{gate} failed: {fault}")))
             }
-            Some(Err(InvokeError::Panicked)) => {
-                Err(refuse(RefusedKind::Fault, format!("the driver of {gate} panicked")))
-            }
+            Some(Err(InvokeError::Panicked)) => Err(CommandRefused::new(
+                RefusedKind::Fault,
+                format!("the driver of {gate} panicked"),
+            )),
         }
     }
 
@@ -203,22 +205,21 @@ fn invoke(
     (authority.attempt() == attempt.number).then(|| ticket.invoke(command))
 }
 
-fn refuse(kind: RefusedKind, reason: String) -> CommandRefused {
-    CommandRefused { kind, reason }
-}
-
 fn over(attempt: Attempt) -> CommandRefused {
-    refuse(RefusedKind::Over, format!("{attempt} is over, or has no tickets"))
+    CommandRefused::new(RefusedKind::Over, format!("{attempt} is over, or has no tickets"))
 }
 
 fn no_such_gate(gate: &str, gates: &Gates) -> CommandRefused {
     let known: Vec<_> = gates.names().collect();
     let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
-    refuse(RefusedKind::NoSuchGate, format!("the mission has no gate `{gate}`; it has {known}"))
+    CommandRefused::new(
+        RefusedKind::NoSuchGate,
+        format!("the mission has no gate `{gate}`; it has {known}"),
+    )
 }
 
 fn not_its_gate(attempt: Attempt, gate: &str) -> CommandRefused {
     let task = attempt.occurrence.task;
     let reason = format!("{task} did not say that it commands `{gate}`: name it among its gates");
-    refuse(RefusedKind::NotItsGate, reason)
+    CommandRefused::new(RefusedKind::NotItsGate, reason)
 }

@@ -49,6 +49,15 @@ impl Names {
         }
     }
 
+    /// Who took the tickets, where somebody did.
+    pub(super) fn taken_by(&self, refusal: Refusal) -> Option<String> {
+        let is_taken = matches!(
+            refusal,
+            Refusal::NotValid(Why::Preempted { .. }) | Refusal::RevokedAll { .. }
+        );
+        is_taken.then(|| self.taker(refusal))
+    }
+
     /// Why a command was refused.
     pub(super) fn refused(&self, refusal: Refusal) -> String {
         match refusal {

@@ -32,7 +32,7 @@ impl Commands for Devices {
 }
 
 fn refused(kind: RefusedKind, reason: &str) -> Answer {
-    Err(CommandRefused { kind, reason: reason.into() })
+    Err(CommandRefused::new(kind, reason))
 }
 
 fn done() -> Answer {

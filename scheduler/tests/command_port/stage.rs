@@ -46,7 +46,7 @@ impl Devices {
     }
 
     fn refuse(kind: RefusedKind, reason: impl Into<String>) -> Result<String, CommandRefused> {
-        Err(CommandRefused { kind, reason: reason.into() })
+        Err(CommandRefused::new(kind, reason))
     }
 }
 
@@ -59,7 +59,8 @@ impl Commands for Devices {
         arguments: &[String],
     ) -> Result<String, CommandRefused> {
         if let Some(taker) = &*self.taker.lock().unwrap() {
-            return Self::refuse(RefusedKind::Taken, format!("pre-empted by {taker}"));
+            let refused = CommandRefused::new(RefusedKind::Taken, format!("pre-empted by {taker}"));
+            return Err(CommandRefused { taken_by: Some(taker.clone()), ..refused });
         }
         self.seen.lock().unwrap().push((attempt, format!("{gate} {command}")));
         match gate {

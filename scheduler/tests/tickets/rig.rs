@@ -218,6 +218,11 @@ impl Rig {
         done.map_err(|refused| format!("{:?}: {}", refused.kind, refused.reason))
     }
 
+    /// Who took the gate, as a refused command is told.
+    pub(crate) fn taker(&self, number: u32, gate: &str) -> Option<String> {
+        self.commander.command(attempt(number), gate, "on", &[]).err()?.taken_by
+    }
+
     pub(crate) fn is_on(&self, lamp: &str) -> bool {
         self.lamps[lamp].on.load(SeqCst)
     }
