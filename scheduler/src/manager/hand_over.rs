@@ -158,7 +158,7 @@ impl Step<'_> {
             };
             let taker = entry.run.taker;
             if !taker.is_some_and(|taker| self.is_still_asking(taker)) {
-                self.withdraw(index, why.to_string());
+                self.withdraw(index, why.stops());
             }
         }
     }

@@ -63,6 +63,20 @@ impl fmt::Display for WaitsFor {
     }
 }
 
+impl WaitsFor {
+    /// Reads on after *is stopped for*, as the agents say it of who took its
+    /// tickets: a task waits for the end of a mode, and is stopped for the mode.
+    pub(crate) fn stops(&self) -> String {
+        match self {
+            Self::Mode(mode) => format!("mode {mode}"),
+            Self::MoreImportant(task)
+            | Self::Categories { by: HeldBy::Task(task), .. }
+            | Self::Gate { by: HeldBy::Task(task), .. } => task.to_string(),
+            other => other.to_string(),
+        }
+    }
+}
+
 impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

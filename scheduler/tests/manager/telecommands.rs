@@ -197,6 +197,9 @@ fn while_a_mode_lasts_what_it_forbids_does_not_run() {
         let mut expected = stops.to_vec();
         expected.dedup();
         assert_eq!(stopped, expected, "{mode}: {:#?}", world.log.lines);
+        // In the same words, whoever took the tickets: the manager or an agent.
+        let stopping = format!("is being stopped: mode {mode}");
+        assert_eq!(world.lines(&["is being stopped"]), world.lines(&[&stopping]));
         assert_eq!(world.ask(Telecommand::LeaveMode(mode.into())), Reply::Done);
         world.until(60.0);
         assert!(world.manager().is_over(), "{mode}: {:#?}", world.log.lines);
