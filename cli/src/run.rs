@@ -1,5 +1,6 @@
 //! `run`: the stand-alone executive.
 
+mod descriptors;
 mod host;
 mod outside;
 mod tally;

@@ -53,7 +53,7 @@ fn two_runs_do_not_share_a_socket_or_a_journal() {
 #[test]
 fn a_run_that_was_killed_goes_on_from_its_journal() {
     let scratch = Scratch::new();
-    scratch.file("once.sh", "echo run >>ran; sleep 600");
+    scratch.file("once.sh", "sleep 600 & echo run >>ran; wait");
     let tasks = "
         [[task]]
         id = 1
@@ -78,8 +78,44 @@ fn a_run_that_was_killed_goes_on_from_its_journal() {
     run.until("succeeded task 2");
     let said = run.end();
     assert!(said.out.contains("where the journal ends"), "{said:?}");
+    let left = |line: &&str| line.starts_with("Ended process ") && line.ends_with("sleep 600");
+    let left: Vec<_> = said.out.lines().filter(left).collect();
+    assert_eq!(left.len(), 1, "what was left is ended, and told: {said:?}");
+    assert!(left[0].contains("of task 1, which an earlier run had left"), "{left:?}");
     let ran = fs::read_to_string(scratch.path("ran")).unwrap();
     assert_eq!(ran, "run\nsecond\n", "the first one is not run twice, the second is not lost");
+}
+
+/// Each attempt takes several descriptors of the manager's, and a shell gives it
+/// few to begin with.
+#[test]
+fn as_many_tasks_run_as_the_host_allows_and_they_have_what_they_were_given() {
+    const TASKS: usize = 16;
+    let scratch = Scratch::new();
+    // None of them ends before all have begun.
+    scratch.file(
+        "all.sh",
+        format!(
+            "ulimit -Sn >$FAREGATE_TASK.limit
+            until [ $(ls *.limit | wc -l) -ge {TASKS} ]; do sleep 0.1; done"
+        ),
+    );
+    let task = |id| format!("[[task]]\nid = {id}\nrun = 'sh all.sh'\n");
+    let tasks: String = (1..=TASKS).map(task).collect();
+    let mission = scratch.file("mission.toml", format!("{MISSION}{tasks}"));
+    let said: Said = Command::new("sh")
+        .args(["-c", "ulimit -Sn 48; exec \"$0\" run \"$1\" --for 60"])
+        .args([faregate().get_program(), mission.as_os_str()])
+        .current_dir(scratch.path(""))
+        .output()
+        .unwrap()
+        .into();
+    assert_eq!(said.code, 0, "{said:?}");
+    assert!(said.out.contains(&format!("{TASKS} succeeded")), "{said:?}");
+    for task in 1..=TASKS {
+        let limit = fs::read_to_string(scratch.path(&format!("{task}.limit"))).unwrap();
+        assert_eq!(limit.trim(), "48", "task {task}");
+    }
 }
 
 /// The thread that decides sleeps while nothing happens: it waits for no

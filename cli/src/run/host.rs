@@ -5,6 +5,7 @@ use std::io;
 use std::sync::Arc;
 
 use faregate_client::Refused;
+use faregate_scheduler::bodies::{Settings, Swept};
 use faregate_scheduler::control::Links;
 use faregate_scheduler::executive::Waker;
 use faregate_scheduler::manager::Note;
@@ -13,6 +14,7 @@ use faregate_scheduler::task::Outcome;
 use faregate_scheduler::tickets::Tickets;
 use faregate_tickets::amount::Milliwatts;
 
+use super::descriptors;
 use super::outside::Ground;
 use super::teller::Teller;
 use crate::args::RunArgs;
@@ -25,7 +27,9 @@ use crate::simulation::{self, Craft, Loads};
 pub(crate) fn run(args: &RunArgs, schedule: Schedule, teller: Teller) -> Result<Teller, Failure> {
     let Schedule { tasks, mission, loader, .. } = schedule;
     let craft = Craft::new(&mission, args.seed)?;
-    let mut builder = Onboard::builder(simulation::gated(&mission))?;
+    let open_files = descriptors::raise();
+    let mut builder = Onboard::builder(simulation::gated(&mission))?
+        .bodies(Settings { open_files, ..Settings::default() });
     for (name, driver) in craft.drivers(&mission) {
         builder = builder.device(&name, driver)?;
     }
@@ -47,6 +51,9 @@ pub(crate) fn run(args: &RunArgs, schedule: Schedule, teller: Teller) -> Result<
         Ok(Ground::new((links, teller, craft), args.time)?)
     };
     let mut executive = builder.start_with(ground)?;
+    for left in executive.bodies().swept().to_vec() {
+        executive.outside().teller.say(&ended(&left));
+    }
     if goes_on {
         executive.outside().teller.say("Going on where the journal ends.");
     } else {
@@ -54,6 +61,12 @@ pub(crate) fn run(args: &RunArgs, schedule: Schedule, teller: Teller) -> Result<
     }
     drive(&mut executive, args.socket.is_some())?;
     end(executive)
+}
+
+/// A process that outlived an earlier run of the manager.
+fn ended(Swept { pid, task, command }: &Swept) -> String {
+    let whose = task.map(|task| format!(" of task {task}")).unwrap_or_default();
+    format!("Ended process {pid}{whose}, which an earlier run had left: {command}")
 }
 
 /// Takes turns until all is over. Who listens is told when that is.

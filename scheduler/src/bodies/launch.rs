@@ -37,6 +37,7 @@ pub(super) struct Order<'a> {
     pub(super) attempt: Attempt,
     pub(super) mark: String,
     pub(super) port: Option<OwnedFd>,
+    pub(super) open_files: Option<u64>,
     pub(super) group: Option<&'a Group>,
 }
 
@@ -47,6 +48,7 @@ pub(super) struct Prepared<'a> {
     environment: Vec<CString>,
     pipes: Pipes,
     mark: String,
+    open_files: Option<u64>,
     group: Option<&'a Group>,
 }
 
@@ -71,6 +73,7 @@ impl<'a> Prepared<'a> {
             environment: environment(&order).into_iter().map(text).collect::<Result<_, _>>()?,
             pipes: Pipes::open(order.port).map_err(|error| format!("no descriptors: {error}"))?,
             mark: order.mark,
+            open_files: order.open_files,
             group: order.group,
         })
     }
@@ -96,6 +99,7 @@ impl<'a> Prepared<'a> {
             errors: pipes.errors.1.as_fd(),
             port: pipes.port.as_ref().map(AsFd::as_fd),
             failure: pipes.failure.1.as_fd(),
+            open_files: self.open_files,
             group: self.group.map(Group::directory),
         };
         let (pid, pidfd) = children::start(&plan, self.mark, self.group.map(Group::name))
@@ -124,6 +128,7 @@ pub(super) fn lives_in(group: &Group) -> Result<(), String> {
         errors: pipes.errors.1.as_fd(),
         port: None,
         failure: pipes.failure.1.as_fd(),
+        open_files: None,
         group: Some(group.directory()),
     };
     let (pid, pidfd) = children::start(&plan, String::new(), Some(group.name())).map_err(failed)?;

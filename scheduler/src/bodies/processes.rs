@@ -79,7 +79,8 @@ impl Processes {
         self.next_serial += 1;
         let port = self.ports.open(attempt).map_err(|error| format!("no command port: {error}"))?;
         let mark = self.run.mark(serial);
-        let order = Order { program, arguments, attempt, mark, port, group: None };
+        let open_files = self.settings.open_files;
+        let order = Order { program, arguments, attempt, mark, port, open_files, group: None };
         let process = self.fork(order).inspect_err(|_| self.ports.close(attempt))?;
         self.watch(serial, &process);
         self.live.insert(attempt, (serial, process));

@@ -23,6 +23,9 @@ pub struct Settings {
     pub workers: usize,
     /// How many of these workers are there from the beginning.
     pub workers_ready: usize,
+    /// How many files a process may have open, until it asks for more itself
+    /// (its soft limit); none: as many as this program.
+    pub open_files: Option<u64>,
     /// Whether control groups are used where the host permits it.
     pub control_groups: bool,
     /// Called at moments that tests and benches want to see.
@@ -37,6 +40,7 @@ impl Default for Settings {
             outputs_kept: 64,
             workers: 64,
             workers_ready: 2,
+            open_files: None,
             control_groups: true,
             probe: Probe::default(),
         }

@@ -36,6 +36,8 @@ pub(super) struct Plan<'a> {
     pub(super) port: Option<BorrowedFd<'a>>,
     /// Where a child that fails says so, by [`Failure::to_bytes`].
     pub(super) failure: BorrowedFd<'a>,
+    /// Its soft limit of open files; none: this program's.
+    pub(super) open_files: Option<u64>,
     /// The directory of its control group.
     pub(super) group: Option<BorrowedFd<'a>>,
 }
@@ -194,7 +196,18 @@ fn prepare(plan: &Plan<'_>, parent: i32) -> Result<(), i32> {
     if closed != 0 {
         return Err(errno());
     }
+    plan.open_files.map_or(Ok(()), limit_open_files)?;
     unblock_signals()
+}
+
+/// What is open beyond the limit stays open.
+fn limit_open_files(most: u64) -> Result<(), i32> {
+    let mut limit = libc::rlimit { rlim_cur: 0, rlim_max: 0 };
+    // SAFETY: `limit` has room for the answer.
+    ok(unsafe { libc::getrlimit(libc::RLIMIT_NOFILE, &raw mut limit) })?;
+    limit.rlim_cur = most.min(limit.rlim_max);
+    // SAFETY: `limit` is read during the call only.
+    ok(unsafe { libc::setrlimit(libc::RLIMIT_NOFILE, &raw const limit) })
 }
 
 /// The child is killed when the thread that forked it ends. Whether that came
