@@ -34,6 +34,11 @@ const UNTIL: Instant = Instant::from_micros(2_000_000);
 /// A schedule that did not come out alike is tried so often.
 const TRIES: u32 = 6;
 
+/// A host that was late three times has less to do at the next ones.
+const fn beside(attempt: u32) -> usize {
+    if attempt <= TRIES / 2 { AT_A_TIME } else { 2 }
+}
+
 /// The schedules are the same in each run.
 const SEED: [u8; 32] = *b"two executives, one step functio";
 
@@ -161,8 +166,8 @@ fn what_is_foretold_happens_event_for_event() {
     let mut running = VecDeque::new();
     let (mut equal, mut events, mut never_in_time) = (0, 0, 0);
     while !(waiting.is_empty() && running.is_empty()) {
-        while running.len() < AT_A_TIME
-            && let Some((number, attempt)) = waiting.pop_front()
+        while let Some((number, attempt)) =
+            waiting.pop_front_if(|(_, attempt)| running.len() < beside(*attempt))
         {
             running.push_back((number, attempt, spawn(number)));
         }
@@ -189,7 +194,7 @@ fn what_is_foretold_happens_event_for_event() {
     println!(
         "{equal} schedules, {events} events alike; the host was never in time for {never_in_time}"
     );
-    assert!(equal > 0, "the host was in time for none");
+    assert!(equal >= SCHEDULES * 3 / 4, "the host was in time for {equal} of {SCHEDULES} only");
 }
 
 #[test]

@@ -90,6 +90,36 @@ fn an_equal_that_is_no_victim_keeps_its_tickets() {
     rig.granted(2);
 }
 
+/// What it has lost already cannot be taken again: it keeps its turn.
+#[test]
+fn a_victim_that_somebody_else_has_taken_already_keeps_its_turn() {
+    let mut rig = Rig::new(&[]);
+    rig.run(1, &needs(5).using(3));
+    rig.request(2, &needs(9).using(3), &[1]);
+    rig.taken(1, "task 2");
+    rig.request(3, &needs(5).using(3), &[1]);
+    rig.stop(1);
+    rig.granted(2);
+    rig.start(2);
+    rig.end(2);
+    rig.granted(1);
+}
+
+#[test]
+fn a_victim_is_not_granted_again_before_its_taker() {
+    let mut rig = Rig::new(&[]);
+    rig.run(1, &needs(5).drawing(30));
+    rig.run(2, &needs(5).using(3));
+    rig.request(3, &needs(5).drawing(30).using(3), &[1, 2]);
+    rig.taken(1, "task 3");
+    rig.taken(2, "task 3");
+    rig.stop(1);
+    // Nobody draws anything now, and yet.
+    rig.nothing_is_told();
+    rig.stop(2);
+    rig.granted(3);
+}
+
 #[test]
 fn the_place_of_a_task_that_ended_is_free_for_the_next() {
     let mut rig = Rig::new(&[]);

@@ -88,6 +88,35 @@ fn a_victim_of_the_same_priority_stands_behind_its_taker() {
     assert_eq!(desk.hears(), ["task 1 granted"]);
 }
 
+/// As the agents have it: see the tests of the real port.
+#[test]
+fn a_victim_that_somebody_else_has_taken_already_keeps_its_turn() {
+    let mut desk = Desk::default();
+    desk.request(1, &needs(1, 5, "a"), &[]);
+    desk.hears();
+    desk.request(2, &needs(1, 9, "b"), &[1]);
+    desk.request(3, &needs(1, 5, "c"), &[1]);
+    desk.0.stopped(occurrence(1), Now::default());
+    assert_eq!(desk.hears(), ["task 1 taken by task 2", "task 2 granted"]);
+    desk.0.relinquish(occurrence(2), Now::default());
+    assert_eq!(desk.hears(), ["task 1 granted"]);
+}
+
+/// The first victim shares only a draw with its taker, which is not counted.
+#[test]
+fn a_victim_is_not_granted_again_before_its_taker() {
+    let mut desk = Desk::default();
+    desk.request(1, &needs(0, 5, "a"), &[]);
+    desk.request(2, &needs(1, 5, "b"), &[]);
+    desk.hears();
+    desk.request(3, &needs(1, 5, "c"), &[1, 2]);
+    assert_eq!(desk.hears(), ["task 1 taken by task 3", "task 2 taken by task 3"]);
+    desk.0.stopped(occurrence(1), Now::default());
+    assert_eq!(desk.hears(), [""; 0]);
+    desk.0.stopped(occurrence(2), Now::default());
+    assert_eq!(desk.hears(), ["task 3 granted", "task 1 granted"]);
+}
+
 #[test]
 fn one_gate_has_one_tenant() {
     let mut desk = Desk::default();

@@ -28,9 +28,10 @@ struct Request {
     needs: Needs,
     arrival: u64,
     state: State,
-    /// It has taken from others, and was not granted since: what it needs is
-    /// owed to it, and goes to nobody else.
-    is_owed: bool,
+    /// Whom it has taken from, and was not granted since: what it needs is owed
+    /// to it, and goes to nobody else; least of all to these, who may share a
+    /// draw with it, which is not counted here.
+    victims: Vec<Occurrence>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,17 +71,24 @@ impl VirtualTickets {
             used.add(&request.needs);
         }
         for occurrence in self.waiting() {
+            let is_victim = self.is_victim(occurrence);
             let Some(request) = self.requests.get_mut(&occurrence) else { continue };
-            let is_free = used.is_free_for(&request.needs);
-            if is_free || request.is_owed {
+            let is_free = !is_victim && used.is_free_for(&request.needs);
+            if is_free || !request.victims.is_empty() {
                 used.add(&request.needs);
             }
             if is_free {
                 request.state = State::Granted;
-                request.is_owed = false;
+                request.victims.clear();
                 self.events.push(Event::Granted { occurrence });
             }
         }
+    }
+
+    /// Whether who has taken its tickets still waits for others to stop.
+    fn is_victim(&self, occurrence: Occurrence) -> bool {
+        let waiting = self.requests.values().filter(|request| request.state == State::Waiting);
+        waiting.into_iter().any(|taker| taker.victims.contains(&occurrence))
     }
 
     fn waiting(&self) -> Vec<Occurrence> {
@@ -117,12 +125,16 @@ impl Used {
 
 impl TicketPort for VirtualTickets {
     /// A victim of the same priority stands behind its taker from now on: the
-    /// schedule's order is finer than the agents'.
+    /// schedule's order is finer than the agents'. One that has lost its tickets
+    /// already keeps its turn, as it does there.
     fn request(&mut self, occurrence: Occurrence, needs: &Needs, victims: &[Occurrence], _: Now) {
         let arrival = self.arrives();
-        let mut is_owed = false;
+        let mut taken = Vec::new();
         for victim in victims {
-            is_owed |= self.take(*victim, &occurrence.task.to_string());
+            if !self.take(*victim, &occurrence.task.to_string()) {
+                continue;
+            }
+            taken.push(*victim);
             let later = self.arrives();
             if let Some(victim) = self.requests.get_mut(victim)
                 && victim.needs.priority == needs.priority
@@ -130,9 +142,10 @@ impl TicketPort for VirtualTickets {
                 victim.arrival = later;
             }
         }
-        let fresh = || Request { needs: needs.clone(), arrival, state: State::Waiting, is_owed };
+        let state = State::Waiting;
+        let fresh = || Request { needs: needs.clone(), arrival, state, victims: Vec::new() };
         let request = self.requests.entry(occurrence).or_insert_with(fresh);
-        request.is_owed |= is_owed;
+        request.victims.extend(taken);
     }
 
     fn stopped(&mut self, occurrence: Occurrence, _: Now) {
