@@ -56,9 +56,32 @@ pub(super) struct Kept {
     pub(super) armed_in_vain: bool,
     /// A task that it cleans up after has failed, and it has not begun since.
     pub(super) has_to_clean: bool,
+    /// Which of its dependencies were satisfied since it began last, in the
+    /// task's order.
+    pub(super) satisfied: Vec<bool>,
 }
 
 impl Kept {
+    /// An occurrence is over. It may have been missed while one before it still
+    /// ran: then that one is not over.
+    pub(super) fn end(&mut self, number: u64, outcome: Outcome) {
+        self.running = self.running.filter(|attempt| attempt.occurrence.number != number);
+        if self.ended.is_some_and(|(ended, _)| ended >= number) {
+            return;
+        }
+        self.ended = Some((number, outcome));
+        self.attempts = 0;
+        self.armed = self.armed.filter(|armed| armed.number > number);
+        self.armed_in_vain &= self.armed.is_some();
+    }
+
+    /// The first attempt of an occurrence uses what others' outcomes satisfied.
+    pub(super) fn use_dependencies(&mut self, attempt: Attempt) {
+        if attempt.number == 1 {
+            self.satisfied.fill(false);
+        }
+    }
+
     /// As a manager is told of it. One that cleans up is not over when it ran.
     pub(super) fn restored(self, is_cleanup: bool) -> RestoredTask {
         let ran_once = self.task.interval.is_none() && self.ended.is_some() && !is_cleanup;
@@ -74,6 +97,7 @@ impl Kept {
             interrupted: self.running,
             may_have_started: self.armed_in_vain && self.running.is_none(),
             has_to_clean: self.has_to_clean,
+            satisfied: self.satisfied,
         }
     }
 }

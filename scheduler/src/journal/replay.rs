@@ -41,8 +41,8 @@ pub struct Replay {
     /// schedule asks what became of it. It goes with the record that ends this,
     /// so that a compaction, whenever it comes, changes nothing.
     tasks: BTreeMap<TaskId, Kept>,
-    /// How often tasks in the schedule name each one.
-    named: BTreeMap<TaskId, usize>,
+    /// Which tasks in the schedule name each one, and how often.
+    named: BTreeMap<TaskId, BTreeMap<TaskId, usize>>,
 }
 
 impl Replay {
@@ -154,6 +154,7 @@ impl Replay {
             armed: None,
             armed_in_vain: false,
             has_to_clean: false,
+            satisfied: vec![false; task.after.len()],
             task,
         };
         self.insert(kept);
@@ -191,18 +192,22 @@ impl Replay {
 
     fn name(&mut self, task: &Task) {
         for named in names(task) {
-            *self.named.entry(named).or_default() += 1;
+            *self.named.entry(named).or_default().entry(task.id).or_default() += 1;
         }
     }
 
     fn unname(&mut self, task: &Task) {
         for named in names(task) {
-            if let Some(times) = self.named.get_mut(&named) {
+            let Some(askers) = self.named.get_mut(&named) else { continue };
+            if let Some(times) = askers.get_mut(&task.id) {
                 *times -= 1;
                 if *times == 0 {
-                    self.named.remove(&named);
-                    self.forget(named);
+                    askers.remove(&task.id);
                 }
+            }
+            if askers.is_empty() {
+                self.named.remove(&named);
+                self.forget(named);
             }
         }
     }
@@ -233,6 +238,7 @@ impl Replay {
         if let Some(kept) = self.of(attempt.occurrence) {
             kept.running = Some(attempt);
             kept.has_to_clean = false;
+            kept.use_dependencies(attempt);
             kept.attempts = kept.attempts.max(attempt.number);
             kept.armed = None;
             kept.armed_in_vain = false;
@@ -244,6 +250,9 @@ impl Replay {
     fn over(&mut self, attempt: Attempt) {
         if let Some(kept) = self.of(attempt.occurrence) {
             kept.running = kept.running.filter(|running| *running != attempt);
+            if kept.attempts < attempt.number {
+                kept.use_dependencies(attempt);
+            }
             kept.attempts = kept.attempts.max(attempt.number);
             kept.armed = None;
             kept.armed_in_vain = false;
@@ -253,20 +262,24 @@ impl Replay {
 
     fn end(&mut self, occurrence: Occurrence, outcome: Outcome) {
         let Some(kept) = self.of(occurrence) else { return };
-        let number = occurrence.number;
-        if kept.ended.is_some_and(|(ended, _)| ended >= number) {
-            return;
-        }
-        kept.ended = Some((number, outcome));
-        kept.attempts = 0;
-        kept.running = kept.running.filter(|attempt| attempt.occurrence.number > number);
-        kept.armed = kept.armed.filter(|armed| armed.number > number);
-        kept.armed_in_vain &= kept.armed.is_some();
+        kept.end(occurrence.number, outcome);
         let cleanup = kept.task.cleanup.filter(|_| is_cleaned_up_after(outcome));
         if let Some(cleanup) = cleanup.and_then(|id| self.tasks.get_mut(&id)) {
             cleanup.has_to_clean = true;
         }
+        self.satisfy(occurrence.task, outcome);
         self.forget(occurrence.task);
+    }
+
+    /// Who asks for this outcome of the task has it, until it is used.
+    fn satisfy(&mut self, id: TaskId, outcome: Outcome) {
+        let Some(askers) = self.named.get(&id) else { return };
+        for asker in askers.keys() {
+            let Some(kept) = self.tasks.get_mut(asker) else { continue };
+            for (prior, satisfied) in kept.task.after.iter().zip(&mut kept.satisfied) {
+                *satisfied |= prior.task == id && prior.status.includes(outcome);
+            }
+        }
     }
 
     fn mode(&mut self, name: String, entered: bool) {

@@ -35,9 +35,10 @@ impl Step<'_> {
         }
     }
 
-    /// A task that cleans up has an occurrence only when it was started.
+    /// A task that cleans up has an occurrence only when it was started, and one
+    /// of a journal only when it was put back.
     fn is_begun(&self, index: u32) -> bool {
-        self.entry(index).is_some_and(|entry| !entry.is_resting())
+        self.entry(index).is_some_and(|entry| entry.next > entry.current)
     }
 
     /// Outcomes of routine tasks satisfy each dependant once.

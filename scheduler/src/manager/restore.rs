@@ -22,9 +22,6 @@ struct Past {
 
 impl Step<'_> {
     /// Puts every task back where it was, and takes a first decision.
-    ///
-    /// What the outcome of a routine task has satisfied, and was not used, is
-    /// not in the journal: who depends on it waits for its next outcome.
     pub(crate) fn restore(&mut self, restored: Restored) {
         self.manager.last = self.now;
         self.manager.classes.advance(self.now);
@@ -50,7 +47,8 @@ impl Step<'_> {
     }
 
     fn put_back(&mut self, restored: RestoredTask) -> (u32, Past) {
-        let RestoredTask { task, load, position, accepted, held, over, ended, .. } = restored;
+        let RestoredTask { task, load, position, accepted, held, over, ended, satisfied, .. } =
+            restored;
         let past = Past {
             over,
             ended,
@@ -63,6 +61,11 @@ impl Step<'_> {
         let ago = self.now.wall.saturating_sub(wall);
         let accepted = Present { elapsed: self.now.elapsed.saturating_sub(ago), wall };
         let index = self.insert(task, Admission { load, position, accepted, held });
+        if let Some(entry) = self.entry_mut(index)
+            && entry.satisfied.len() == satisfied.len()
+        {
+            entry.satisfied = satisfied;
+        }
         if let Some(entry) = self.entry_mut(index).filter(|_| over) {
             entry.last = ended.map(|(_, outcome)| outcome);
             entry.place = Place::Over;
@@ -96,10 +99,17 @@ impl Step<'_> {
     /// An occurrence of which attempts began. One that may have begun and is
     /// not known to have ended has failed.
     fn go_on_with(&mut self, index: u32, number: u64, past: Past) {
+        let next = number;
         let number = past.interrupted.map_or(number, |attempt| attempt.occurrence.number);
         self.make_present(index, number);
         let interrupted = past.interrupted.is_some() || past.may_have_started;
+        if past.attempts == 0 && past.interrupted.is_none() {
+            // It may have begun, and used them.
+            self.spend_dependencies(index);
+        }
         let Some(entry) = self.entry_mut(index) else { return };
+        // What was missed while it ran is not told again.
+        entry.next = entry.next.max(next);
         entry.attempts = match past.interrupted {
             Some(attempt) => attempt.number,
             None => past.attempts.saturating_add(u32::from(past.may_have_started)),

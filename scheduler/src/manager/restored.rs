@@ -43,4 +43,7 @@ pub struct RestoredTask {
     /// Whether a task that it cleans up after has failed or was aborted, and it
     /// has not begun to since.
     pub has_to_clean: bool,
+    /// Which of its dependencies were satisfied and not used, in the task's
+    /// order. (One on a task that is over is judged by how that ended.)
+    pub satisfied: Vec<bool>,
 }

@@ -59,6 +59,7 @@ impl Step<'_> {
         if number > first {
             let why = if lost { WINDOW } else { PASSED };
             self.count_missed(index, first, number.saturating_sub(1), why);
+            self.settle_dependants(index, crate::task::Outcome::Missed, false);
         }
         self.begin(index, number);
     }

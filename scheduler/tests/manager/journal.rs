@@ -1,11 +1,12 @@
 //! What is written before what, and where a manager goes on.
 
 use faregate_scheduler::Mission;
+use faregate_scheduler::journal::replay;
 use faregate_scheduler::manager::{
     Action, Addition, Attempt, Event, Exit, Manager, Occurrence, Record, Restored, RestoredTask,
     Telecommand, TelecommandId,
 };
-use faregate_scheduler::task::{Outcome, Restart, Task};
+use faregate_scheduler::task::{Dependency, Outcome, Restart, Status, Task};
 use faregate_scheduler::time::{Instant, Now, UnixTime};
 
 use crate::world::{BEGAN, With, World, id, seconds, task, wall};
@@ -130,6 +131,7 @@ fn restored(task: Task) -> RestoredTask {
         interrupted: None,
         may_have_started: false,
         has_to_clean: false,
+        satisfied: vec![],
     }
 }
 
@@ -247,4 +249,80 @@ fn a_cleanup_is_not_forgotten() {
         RestoredTask { over: true, ended: Some((0, Outcome::Failed)), ..restored(cleaned) };
     assert_eq!(pair(failed.clone(), true), cleans, "the manager died before it cleaned up");
     assert!(pair(failed, false).is_empty(), "it was cleaned up");
+}
+
+fn depends(task: Task, prior: u32, status: Status) -> Task {
+    task.with(|task| task.after.push(Dependency { task: id(prior), status }))
+}
+
+/// The manager dies at this second, and comes back so many later.
+fn interrupted(tasks: impl IntoIterator<Item = Task>, dies: f64, down_s: u64) -> World {
+    let mut world = World::of(tasks);
+    world.until(dies);
+    World::restored(Mission::default(), replay(world.journal.records), down_s)
+}
+
+#[test]
+fn what_an_outcome_of_a_routine_task_satisfied_is_not_forgotten() {
+    let prior = || task(1, 1.0).every(1_000.0);
+    let starts = |status| {
+        let mut world = interrupted([prior(), depends(task(2, 1.0).at(50.0), 1, status)], 5.0, 10);
+        world.until(100.0);
+        world.lines(&["task 2"]).into_iter().map(str::to_owned).collect::<Vec<_>>()
+    };
+    let started =
+        ["40.000 task 2 attempt 1 started", "41.000 task 2 attempt 1 succeeded (exit code 0)"];
+    assert_eq!(starts(Status::Succeeded)[..2], started);
+    assert_eq!(starts(Status::Failed), [""; 0], "it was another outcome");
+}
+
+#[test]
+fn an_outcome_of_a_routine_task_that_was_used_is_not_used_again() {
+    let dependant = depends(task(2, 1.0).every(3.0), 1, Status::Succeeded);
+    let mut world = interrupted([task(1, 1.0).every(10.0), dependant], 5.0, 6);
+    world.until(6.0);
+    // The first outcome came at 1 s, the second one comes at 11.
+    assert_eq!(
+        world.lines(&["started"]),
+        [
+            "4.000 task 1 occurrence 1 attempt 1 started",
+            "5.000 task 2 occurrence 3 attempt 1 started",
+        ]
+    );
+}
+
+/// Who was interrupted has failed, and who waits for that has its own time.
+#[test]
+fn the_failure_of_who_was_interrupted_starts_nobody_before_its_time() {
+    let dependant = depends(task(2, 1.0).at(50.0), 1, Status::Failed);
+    let mut world = interrupted([task(1, 20.0), dependant], 5.0, 10);
+    world.until(100.0);
+    assert_eq!(world.lines(&["started"]), ["40.000 task 2 attempt 1 started"]);
+}
+
+#[test]
+fn who_was_interrupted_has_failed_even_if_later_occurrences_were_missed_meanwhile() {
+    let routine = task(1, 60.0).every(10.0).with(|task| task.cleanup = Some(id(9)));
+    let mut world = interrupted([routine, task(9, 1.0)], 35.0, 35);
+    world.until(6.0);
+    assert_eq!(
+        world.log.lines,
+        [
+            "0.000 task 1 attempt 1 failed (failed: interrupted: the manager ended)",
+            "0.000 task 1 failed",
+            "0.000 task 9 attempt 1 started",
+            "1.000 task 9 attempt 1 succeeded (exit code 0)",
+            "1.000 task 9 succeeded",
+            "5.000 task 1 occurrence 4 attempt 1 started",
+        ]
+    );
+}
+
+#[test]
+fn what_was_missed_while_the_manager_was_away_is_an_outcome_too() {
+    let routine = task(1, 1.0).every(10.0).closes(2.0);
+    let dependant = depends(task(2, 1.0), 1, Status::Missed);
+    let mut world = interrupted([routine, dependant], 5.0, 35);
+    world.until(4.0);
+    assert_eq!(world.lines(&["started"]), ["0.000 task 2 attempt 1 started"]);
 }
