@@ -18,6 +18,7 @@
 //! | [`parameters`] | what only the ground changes: limits, powers, preheat tables |
 //! | [`state`] | what is so now |
 //! | [`timed`] | what the planner answers |
+//! | [`timeline`] | what is used when, and where else something fits |
 
 #![forbid(unsafe_code)]
 
@@ -25,6 +26,7 @@ pub mod parameters;
 pub mod plan;
 pub mod state;
 pub mod timed;
+pub mod timeline;
 pub mod units;
 
 pub use parameters::Parameters;

@@ -1,0 +1,155 @@
+//! A timeline of kind state: values that are set, and hold until the next one.
+
+use std::collections::BTreeMap;
+
+use super::starts::{Bad, Within};
+
+/// When a value is set. At one instant ends come before starts, and then the
+/// plan's order decides: the last one holds.
+type Key = (i64, u8, usize);
+
+/// Who sets what: two values at most, at a start and at an end.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Setter {
+    pub(crate) order: usize,
+    pub(crate) length: i64,
+    pub(crate) sets: [Option<i64>; 2],
+    /// What it asks for while it runs.
+    pub(crate) keep: Option<(i64, i64)>,
+}
+
+/// The values, from the present one on.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Settings {
+    initial: i64,
+    /// The first instant after all of them.
+    end: i64,
+    sets: BTreeMap<Key, i64>,
+}
+
+/// A range that must be kept over some instants.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Range {
+    pub(crate) from: i64,
+    pub(crate) to: i64,
+    pub(crate) min: i64,
+    pub(crate) max: i64,
+}
+
+/// What is wrong: since when, and how far the value is off.
+pub(crate) type Off = (i64, i128);
+
+impl Settings {
+    pub(crate) const fn new(initial: i64, end: i64) -> Self {
+        Self { initial, end, sets: BTreeMap::new() }
+    }
+
+    pub(crate) fn insert(&mut self, setter: Setter, start: i64) {
+        self.sets.extend(keys(setter, start));
+    }
+
+    pub(crate) fn remove(&mut self, setter: Setter, start: i64) {
+        for (key, _) in keys(setter, start) {
+            self.sets.remove(&key);
+        }
+    }
+
+    /// Adds the starts to `bad` that break one of the ranges, or the setter's
+    /// own one.
+    ///
+    /// Between two instants at which something begins or ends, seen from its
+    /// start and from its end, one start is as good as the other.
+    pub(crate) fn bad(&self, setter: Setter, ranges: &[Range], within: Within, bad: &mut Bad) {
+        let mut cells = vec![within.0];
+        let ends = ranges.iter().flat_map(|range| [range.from, range.to]);
+        for at in self.sets.keys().map(|key| key.0).chain(ends) {
+            let seen = [at, at.saturating_add(1), at.saturating_sub(setter.length)];
+            cells.extend(seen);
+            cells.push(seen[2].saturating_add(1));
+        }
+        cells.retain(|&at| within.0 <= at && at <= within.1);
+        cells.sort_unstable();
+        cells.dedup();
+        let nexts = cells.iter().skip(1).copied().chain([within.1.saturating_add(1)]);
+        for (&first, next) in cells.iter().zip(nexts) {
+            if self.off(setter, first, ranges).is_some() {
+                bad.push((first, next - 1));
+            }
+        }
+    }
+
+    /// The first thing that is wrong with a start.
+    pub(crate) fn off(&self, setter: Setter, start: i64, ranges: &[Range]) -> Option<Off> {
+        let theirs = keys(setter, start).filter_map(|(key, value)| {
+            let until = self.next(key, setter, start);
+            let before = self.before(key);
+            let seen = ranges.iter().filter(|range| range.from < until && key.0 < range.to);
+            let off = seen.filter_map(|range| {
+                let past = worse(value, before, range)?;
+                Some((key.0.max(range.from), past.abs()))
+            });
+            if key.0 < until { off.min() } else { None }
+        });
+        theirs.chain(self.own(setter, start)).min()
+    }
+
+    /// The first value that the setter itself cannot have while it runs.
+    fn own(&self, setter: Setter, start: i64) -> Option<Off> {
+        let (min, max) = setter.keep?;
+        let end = start.saturating_add(setter.length);
+        let mine = keys(setter, start).find(|(key, _)| key.1 == START);
+        let known = self.sets.range(..=(start, u8::MAX, usize::MAX)).next_back();
+        let known = known.map(|(key, value)| (*key, *value));
+        let first = known.max(mine).map_or(self.initial, |(_, value)| value);
+        let later = self.sets.range((start + 1, 0, 0)..(end.max(start + 1), 0, 0));
+        let later = later.map(|(key, value)| (*key, *value));
+        let mut seen: Vec<(i64, i64)> = vec![(start, first)];
+        for (key, value) in later {
+            // Of two at one instant the later one holds.
+            seen.retain(|(at, _)| *at != key.0);
+            seen.push((key.0, value));
+        }
+        let off = |(at, value)| past(value, min, max).map(|past| (at, past.abs()));
+        if start < end { seen.into_iter().find_map(off) } else { None }
+    }
+
+    /// When the value that is set at `key` is set again.
+    fn next(&self, key: Key, setter: Setter, start: i64) -> i64 {
+        let (after, last) = (core::ops::Bound::Excluded(key), core::ops::Bound::Unbounded);
+        let theirs = self.sets.range((after, last)).next().map(|(key, _)| key.0);
+        let mine = keys(setter, start).map(|(key, _)| key).filter(|&other| other > key).min();
+        let mine = mine.map(|key| key.0);
+        theirs.into_iter().chain(mine).min().unwrap_or(self.end)
+    }
+
+    /// The value that would hold without what is set at `key`.
+    fn before(&self, key: Key) -> i64 {
+        self.sets.range(..key).next_back().map_or(self.initial, |(_, value)| *value)
+    }
+}
+
+const END: u8 = 0;
+const START: u8 = 1;
+
+fn keys(setter: Setter, start: i64) -> impl Iterator<Item = (Key, i64)> {
+    let Setter { order, length, sets, .. } = setter;
+    let keys = [(start, START, order), (start.saturating_add(length), END, order)];
+    keys.into_iter().zip(sets).filter_map(|(key, value)| Some((key, value?)))
+}
+
+/// How far a value is off a range, if it is further off than the one before.
+fn worse(value: i64, before: i64, range: &Range) -> Option<i128> {
+    let new = past(value, range.min, range.max)?;
+    let old = past(before, range.min, range.max).unwrap_or(0);
+    (new.abs() > old.abs() || new.signum() != old.signum()).then_some(new)
+}
+
+/// How far a value is off a range: negative below it.
+fn past(value: i64, min: i64, max: i64) -> Option<i128> {
+    let (value, min, max) = (i128::from(value), i128::from(min), i128::from(max));
+    match () {
+        () if value < min => Some(value - min),
+        () if value > max => Some(value - max),
+        () => None,
+    }
+}
