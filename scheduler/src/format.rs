@@ -51,6 +51,13 @@ use crate::format::wrong::{Report, Wrong};
 use crate::mission::Mission;
 use crate::task::{Task, TaskId};
 
+/// For readers of other files, which tell what is wrong in the same way.
+pub mod reading {
+    pub use super::source::Source;
+    pub use super::suggest::nearest;
+    pub use super::wrong::{Report, Wrong, shown};
+}
+
 /// A file format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Kind {

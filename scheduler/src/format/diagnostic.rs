@@ -66,11 +66,29 @@ pub enum Rule {
     NoShell,
     /// What is written has no effect.
     NoEffect,
+    /// An activity that nobody knows is referred to.
+    UnknownActivity,
+    /// A field that does not fit the kind of what has it.
+    Kind,
+    /// An energy that is not the power times the duration.
+    Energy,
+    /// An activity is more important than one that it depends on.
+    Importance,
+    /// A table whose rows are not in order, or do not begin at 0.
+    Table,
+    /// Limits that contradict each other.
+    Limits,
+    /// Something was taken for granted that another file would tell.
+    Assumed,
+    /// A version of a format that this program does not know.
+    Version,
+    /// A binary file that is not what was written.
+    Damaged,
 }
 
 impl Rule {
     /// All of them.
-    pub const ALL: [Self; 22] = [
+    pub const ALL: [Self; 31] = [
         Self::Encoding,
         Self::Format,
         Self::Syntax,
@@ -93,6 +111,29 @@ impl Rule {
         Self::Restart,
         Self::NoShell,
         Self::NoEffect,
+        Self::UnknownActivity,
+        Self::Kind,
+        Self::Energy,
+        Self::Importance,
+        Self::Table,
+        Self::Limits,
+        Self::Assumed,
+        Self::Version,
+        Self::Damaged,
+    ];
+
+    /// Those that files of the planner alone can break: `docs/plan-format.md`
+    /// has them.
+    pub const PLANNER: [Self; 9] = [
+        Self::UnknownActivity,
+        Self::Kind,
+        Self::Energy,
+        Self::Importance,
+        Self::Table,
+        Self::Limits,
+        Self::Assumed,
+        Self::Version,
+        Self::Damaged,
     ];
 
     /// Its name, as tools see it.
@@ -121,6 +162,15 @@ impl Rule {
             Self::Restart => "restart",
             Self::NoShell => "no-shell",
             Self::NoEffect => "no-effect",
+            Self::UnknownActivity => "unknown-activity",
+            Self::Kind => "kind",
+            Self::Energy => "energy",
+            Self::Importance => "importance",
+            Self::Table => "table",
+            Self::Limits => "limits",
+            Self::Assumed => "assumed",
+            Self::Version => "version",
+            Self::Damaged => "damaged",
         }
     }
 }

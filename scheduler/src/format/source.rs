@@ -6,7 +6,7 @@ use crate::format::diagnostic::{Diagnostic, Place, Rule};
 
 /// A file that is being read.
 #[derive(Debug)]
-pub(crate) struct Source<'a> {
+pub struct Source<'a> {
     name: &'a str,
     text: &'a str,
     /// Where each line begins.
@@ -19,7 +19,7 @@ impl<'a> Source<'a> {
     /// # Errors
     ///
     /// The bytes are no UTF-8: the first place where they are not.
-    pub(crate) fn new(name: &'a str, bytes: &'a [u8]) -> Result<Self, Vec<Diagnostic>> {
+    pub fn new(name: &'a str, bytes: &'a [u8]) -> Result<Self, Vec<Diagnostic>> {
         if bytes.starts_with(&[0xFF, 0xFE]) || bytes.starts_with(&[0xFE, 0xFF]) {
             return Err(not_utf8(Self::of(name, ""), "the file is in UTF-16"));
         }
@@ -39,7 +39,8 @@ impl<'a> Source<'a> {
     }
 
     /// The text.
-    pub(crate) const fn text(&self) -> &'a str {
+    #[must_use]
+    pub const fn text(&self) -> &'a str {
         self.text
     }
 
@@ -54,7 +55,8 @@ impl<'a> Source<'a> {
     }
 
     /// Line and column of a span.
-    pub(crate) fn place(&self, span: Range<usize>) -> Place {
+    #[must_use]
+    pub fn place(&self, span: Range<usize>) -> Place {
         let start = self.boundary(span.start);
         let end = self.boundary(span.end.max(start));
         let line = self.line_of(start);

@@ -32,7 +32,8 @@ const MEANT: [(&str, &str); 26] = [
 ];
 
 /// The one of the known names that is nearest, if any is near.
-pub(crate) fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+#[must_use]
+pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     // Whoever wrote so long a word meant none of these, and comparing costs its
     // square.
     if name.len() > 40 {

@@ -7,26 +7,33 @@ use crate::format::source::Source;
 
 /// What is wrong with one value.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Wrong {
-    pub(crate) rule: Rule,
-    pub(crate) message: String,
-    pub(crate) expected: Option<String>,
-    pub(crate) help: Option<String>,
+pub struct Wrong {
+    /// Which rule was broken.
+    pub rule: Rule,
+    /// What is wrong.
+    pub message: String,
+    /// What would be right.
+    pub expected: Option<String>,
+    /// What to do.
+    pub help: Option<String>,
 }
 
 impl Wrong {
-    pub(crate) fn new(rule: Rule, message: impl Into<String>) -> Self {
+    /// This is wrong, by this rule.
+    pub fn new(rule: Rule, message: impl Into<String>) -> Self {
         Self { rule, message: message.into(), expected: None, help: None }
     }
 
+    /// Says what would be right.
     #[must_use]
-    pub(crate) fn expected(mut self, expected: impl Into<String>) -> Self {
+    pub fn expected(mut self, expected: impl Into<String>) -> Self {
         self.expected = Some(expected.into());
         self
     }
 
+    /// Says what to do.
     #[must_use]
-    pub(crate) fn help(mut self, help: impl Into<String>) -> Self {
+    pub fn help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
         self
     }
@@ -34,28 +41,32 @@ impl Wrong {
 
 /// Everything that is wrong with a file, gathered while it is read.
 #[derive(Debug)]
-pub(crate) struct Report<'a> {
-    pub(crate) source: &'a Source<'a>,
-    pub(crate) found: Vec<Diagnostic>,
+pub struct Report<'a> {
+    /// The file.
+    pub source: &'a Source<'a>,
+    /// What was found so far.
+    pub found: Vec<Diagnostic>,
 }
 
 impl<'a> Report<'a> {
-    pub(crate) const fn new(source: &'a Source<'a>) -> Self {
+    /// Of a file in which nothing was found yet.
+    #[must_use]
+    pub const fn new(source: &'a Source<'a>) -> Self {
         Self { source, found: Vec::new() }
     }
 
     /// Something because of which nothing is loaded.
-    pub(crate) fn error(&mut self, span: Range<usize>, field: &str, wrong: Wrong) {
+    pub fn error(&mut self, span: Range<usize>, field: &str, wrong: Wrong) {
         self.add(Severity::Error, span, field, wrong);
     }
 
     /// Something that somebody should look at.
-    pub(crate) fn warn(&mut self, span: Range<usize>, field: &str, wrong: Wrong) {
+    pub fn warn(&mut self, span: Range<usize>, field: &str, wrong: Wrong) {
         self.add(Severity::Warning, span, field, wrong);
     }
 
     /// An error that has to do with another place, too.
-    pub(crate) fn error_with(
+    pub fn error_with(
         &mut self,
         span: Range<usize>,
         field: &str,
@@ -70,7 +81,7 @@ impl<'a> Report<'a> {
     }
 
     /// The value, or nothing and an error at its place.
-    pub(crate) fn take<T>(
+    pub fn take<T>(
         &mut self,
         span: Range<usize>,
         field: &str,
@@ -107,7 +118,8 @@ pub(crate) fn harmless(text: String) -> String {
 
 /// A piece of a file as a message shows it: short, and without control
 /// characters that a terminal would obey.
-pub(crate) fn shown(text: &str) -> String {
+#[must_use]
+pub fn shown(text: &str) -> String {
     let mut short: String = text.chars().take(40).flat_map(char::escape_debug).collect();
     if text.chars().nth(40).is_some() {
         short.push('…');

@@ -132,7 +132,8 @@ mod tests {
         known.sort_unstable();
         assert_eq!(columns, known);
         let mut rules = listed("## What is wrong with a file");
-        let mut known = Rule::ALL.map(Rule::name);
+        let known = Rule::ALL.into_iter().filter(|rule| !Rule::PLANNER.contains(rule));
+        let mut known: Vec<_> = known.map(Rule::name).collect();
         rules.sort_unstable();
         known.sort_unstable();
         assert_eq!(rules, known);
