@@ -19,9 +19,11 @@
 //! | [`state`] | what is so now |
 //! | [`timed`] | what the planner answers |
 //! | [`timeline`] | what is used when, and where else something fits |
+//! | [`mod@file`] | plans, parameters and states in files |
 
 #![forbid(unsafe_code)]
 
+pub mod file;
 pub mod parameters;
 pub mod plan;
 pub mod state;

@@ -34,6 +34,9 @@ pub struct Plan {
 pub struct ActivityId(NonZeroU32);
 
 impl ActivityId {
+    /// The smallest number.
+    pub const FIRST: Self = Self(NonZeroU32::MIN);
+
     /// The activity of this number; `None` for 0.
     #[must_use]
     pub const fn new(number: u32) -> Option<Self> {

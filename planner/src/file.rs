@@ -1,0 +1,255 @@
+//! Plans, parameters and states in files: XML that people write, and a compact
+//! binary form for the link and on board. Either is lossless, and from either
+//! the same is read.
+//!
+//! A file is loaded whole or not at all, and everything that is wrong with it
+//! is told at once, with its line and column. Comments are for people: they are
+//! not in the model, and so not in what is written from it.
+//!
+//! ```
+//! use faregate_planner::file;
+//!
+//! let text = r#"<plan version="1" name="sol 7" handover="20:00" handover_min_soc="50 %"
+//!     end="1T10:00" max_delta_data="100 MB">
+//!   <activity id="1" priority="200" duration="25 min" marginal="40">
+//!     <start from="10:00" to="09:00" cutoff="12:00"/>
+//!   </activity>
+//! </plan>"#;
+//! let wrong = file::read("sol7.xml", text.as_bytes(), None).unwrap_err();
+//! let places: Vec<_> = wrong.iter().filter(|one| one.is_error())
+//!     .map(|one| (one.place.line, one.place.column)).collect();
+//! assert_eq!(places, [(3, 67), (4, 29)]);
+//! ```
+//!
+//! `docs/plan-format.md` is the reference.
+
+pub mod binary;
+mod fields;
+mod names;
+mod read;
+mod schema;
+mod show;
+mod times;
+mod value;
+mod words;
+mod write;
+mod xml;
+
+use faregate_scheduler::format::reading::{Report, Source, Wrong, shown};
+use faregate_scheduler::format::{Diagnostic, Rule};
+
+use crate::file::names::Names;
+use crate::file::xml::Element;
+use crate::parameters::Parameters;
+use crate::plan::Plan;
+use crate::state::State;
+
+/// The version of both forms. It changes with the models; a test has binary
+/// files of this one.
+pub const VERSION: u16 = 1;
+
+/// What a file can be.
+const ROOTS: &str = "a plan, parameters or a state";
+
+/// What a file has.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Document {
+    /// A plan.
+    Plan(Plan),
+    /// Parameters.
+    Parameters(Parameters),
+    /// A state.
+    State(State),
+}
+
+/// What was read, and what somebody should look at.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Loaded<T> {
+    /// What was read.
+    pub value: T,
+    /// What somebody should look at.
+    pub warnings: Vec<Diagnostic>,
+}
+
+/// Reads a file in either form.
+///
+/// Names of resources, zones and timelines, and the day by which times are
+/// read, are those of the parameters. Without them, times are of Mars's days,
+/// no zone or timeline is unknown, and a warning says so.
+///
+/// # Errors
+///
+/// Everything that is wrong with it, warnings among it. Nothing is loaded.
+pub fn read(
+    name: &str,
+    bytes: &[u8],
+    parameters: Option<&Parameters>,
+) -> Result<Loaded<Document>, Vec<Diagnostic>> {
+    let names = Names::new(parameters);
+    if binary::is_binary(bytes) {
+        return read_binary(name, bytes, &names);
+    }
+    let source = Source::new(name, bytes)?;
+    let mut report = Report::new(&source);
+    let document = xml::parse(source.text(), &mut report)
+        .and_then(|root| from_element(&root, &names, &mut report));
+    finish(document, report.found)
+}
+
+/// Reads a plan.
+///
+/// # Errors
+///
+/// Everything that is wrong with it, and that it is none.
+pub fn plan(
+    name: &str,
+    bytes: &[u8],
+    parameters: Option<&Parameters>,
+) -> Result<Loaded<Plan>, Vec<Diagnostic>> {
+    only(name, "a plan", read(name, bytes, parameters)?, |document| match document {
+        Document::Plan(plan) => Ok(plan),
+        other => Err(other),
+    })
+}
+
+/// Reads parameters.
+///
+/// # Errors
+///
+/// Everything that is wrong with them, and that they are none.
+pub fn parameters(name: &str, bytes: &[u8]) -> Result<Loaded<Parameters>, Vec<Diagnostic>> {
+    only(name, "parameters", read(name, bytes, None)?, |document| match document {
+        Document::Parameters(parameters) => Ok(parameters),
+        other => Err(other),
+    })
+}
+
+/// Reads a state.
+///
+/// # Errors
+///
+/// Everything that is wrong with it, and that it is none.
+pub fn state(
+    name: &str,
+    bytes: &[u8],
+    parameters: Option<&Parameters>,
+) -> Result<Loaded<State>, Vec<Diagnostic>> {
+    only(name, "a state", read(name, bytes, parameters)?, |document| match document {
+        Document::State(state) => Ok(state),
+        other => Err(other),
+    })
+}
+
+/// The document as XML: with names and times of day where there are
+/// parameters, with bits and seconds where there are none. It is read again as
+/// the same, with the same parameters.
+#[must_use]
+pub fn to_xml(document: &Document, parameters: Option<&Parameters>) -> String {
+    write::text(&write::element(document, &Names::new(parameters)))
+}
+
+/// The document in the compact form.
+#[must_use]
+pub fn to_binary(document: &Document) -> Vec<u8> {
+    match document {
+        Document::Plan(plan) => binary::write(plan),
+        Document::Parameters(parameters) => binary::write(parameters),
+        Document::State(state) => binary::write(state),
+    }
+}
+
+impl Document {
+    /// What people call it.
+    #[must_use]
+    pub const fn what(&self) -> &'static str {
+        match self {
+            Self::Plan(_) => "a plan",
+            Self::Parameters(_) => "parameters",
+            Self::State(_) => "a state",
+        }
+    }
+}
+
+fn only<T>(
+    name: &str,
+    wanted: &str,
+    loaded: Loaded<Document>,
+    pick: impl FnOnce(Document) -> Result<T, Document>,
+) -> Result<Loaded<T>, Vec<Diagnostic>> {
+    let Loaded { value, warnings } = loaded;
+    pick(value).map(|value| Loaded { value, warnings }).map_err(|other| {
+        let wrong = Wrong::new(Rule::Format, format!("this is {}", other.what()));
+        nowhere(name, wrong.expected(wanted))
+    })
+}
+
+/// What is wrong with a file that has no lines.
+fn nowhere(name: &str, wrong: Wrong) -> Vec<Diagnostic> {
+    let source = Source::new(name, b"").ok();
+    let Some(source) = source else { return Vec::new() };
+    let mut report = Report::new(&source);
+    report.error(0..0, "", wrong);
+    report.found
+}
+
+/// What the compact form has goes the way of what people write: it is judged
+/// by the same rules, and nothing is loaded that could not be written.
+fn read_binary(
+    name: &str,
+    bytes: &[u8],
+    names: &Names<'_>,
+) -> Result<Loaded<Document>, Vec<Diagnostic>> {
+    let document = binary::document(bytes).map_err(|why| {
+        let rule = match why {
+            binary::NotRead::Version { .. } => Rule::Version,
+            binary::NotRead::Damaged => Rule::Damaged,
+            binary::NotRead::Other | binary::NotRead::Kind { .. } => Rule::Format,
+        };
+        nowhere(name, Wrong::new(rule, why.to_string()).expected(ROOTS))
+    })?;
+    let source = Source::new(name, b"")?;
+    let mut report = Report::new(&source);
+    let again = from_element(&write::element(&document, names), names, &mut report);
+    if report.found.is_empty() && again.as_ref() != Some(&document) {
+        let wrong = Wrong::new(Rule::Damaged, "the file has what no XML file can say");
+        report.error(0..0, "", wrong.expected(ROOTS));
+    }
+    finish(again, report.found)
+}
+
+fn from_element(
+    root: &Element<'_>,
+    names: &Names<'_>,
+    report: &mut Report<'_>,
+) -> Option<Document> {
+    let document = match &*root.name {
+        "plan" => read::plan(root, names, report).map(|read| Document::Plan(read.value)),
+        "parameters" => read::parameters(root, report).map(|read| Document::Parameters(read.value)),
+        "state" => read::state(root, names, report).map(|read| Document::State(read.value)),
+        other => {
+            let wrong =
+                Wrong::new(Rule::Format, format!("nobody knows a file of {}", shown(other)));
+            report.error(root.at.clone(), "", wrong.expected("<plan>, <parameters> or <state>"));
+            None
+        }
+    };
+    if names.assumed.get() {
+        let wrong = Wrong::new(Rule::Assumed, "nobody said which parameters this file goes with");
+        let wrong = wrong.help("name the parameters' file, too: their days and names count");
+        report.warn(root.at.clone(), "", wrong);
+    }
+    document
+}
+
+fn finish(
+    document: Option<Document>,
+    mut found: Vec<Diagnostic>,
+) -> Result<Loaded<Document>, Vec<Diagnostic>> {
+    found.sort_by_key(|wrong| (wrong.place.span.start, wrong.is_error()));
+    match document {
+        Some(value) if !found.iter().any(Diagnostic::is_error) => {
+            Ok(Loaded { value, warnings: found })
+        }
+        _ => Err(found),
+    }
+}

@@ -1,0 +1,63 @@
+//! A plan from its elements.
+
+use std::collections::BTreeMap;
+
+use faregate_scheduler::format::reading::Report;
+
+use crate::file::fields::Fields;
+use crate::file::names::Names;
+use crate::file::read::{Placed, activity, version};
+use crate::file::schema;
+use crate::file::value;
+use crate::file::xml::Element;
+use crate::plan::{ActivityId, Plan};
+use crate::units::{Bytes, Ppm};
+
+/// Where the activities of a plan stand.
+#[derive(Debug, Default)]
+pub(in crate::file) struct Places<'e> {
+    /// Of each that could be read, in their order.
+    pub(in crate::file) activities: Vec<&'e Element<'e>>,
+    /// Of each whose number could be read.
+    pub(in crate::file) known: BTreeMap<ActivityId, &'e Element<'e>>,
+}
+
+/// Reads a plan; tells what is wrong with it. `None`: of another version.
+pub(in crate::file) fn plan<'e>(
+    root: &'e Element<'e>,
+    names: &Names<'_>,
+    report: &mut Report<'_>,
+) -> Option<Placed<'e, Plan, Places<'e>>> {
+    let mut fields = Fields::new(root, &schema::PLAN, names, report);
+    if !version(&mut fields) {
+        return None;
+    }
+    let mut plan = Plan {
+        name: fields.need("name", String::new(), value::name),
+        handover: fields.time("handover"),
+        handover_min_soc: fields.need("handover_min_soc", Ppm::ZERO, value::fraction),
+        end: fields.time("end"),
+        max_delta_data: fields.need("max_delta_data", Bytes::ZERO, value::data),
+        next_plan: fields.read("next_plan", value::name),
+        activities: Vec::new(),
+    };
+    let mut places = Places::default();
+    for element in fields.children(&schema::ACTIVITY) {
+        let mut fields = fields.within(element, &schema::ACTIVITY);
+        let read = activity::activity(&mut fields);
+        if let Some(first) = places.known.get(&read.id) {
+            fields.twice("id", &read.id.to_string(), first.span("id"));
+        } else if fields
+            .element
+            .attribute("id")
+            .is_some_and(|id| value::activity(&id.value).is_ok())
+        {
+            places.known.insert(read.id, element);
+        }
+        if fields.good() {
+            plan.activities.push(read);
+            places.activities.push(element);
+        }
+    }
+    Some(Placed { value: plan, places, root })
+}
