@@ -20,6 +20,7 @@
 //! | [`timed`] | what the planner answers |
 //! | [`timeline`] | what is used when, and where else something fits |
 //! | [`mod@file`] | plans, parameters and states in files |
+//! | [`trace`] | what happened when a plan was executed |
 
 #![forbid(unsafe_code)]
 
@@ -29,9 +30,11 @@ pub mod plan;
 pub mod state;
 pub mod timed;
 pub mod timeline;
+pub mod trace;
 pub mod units;
 
 pub use parameters::Parameters;
 pub use plan::{Activity, ActivityId, Plan};
 pub use state::State;
 pub use timed::TimedPlan;
+pub use trace::Trace;
