@@ -47,6 +47,11 @@ impl Battery {
         (!self.flat).then(|| now.after(Duration::from_micros(left_us)))
     }
 
+    /// Loses so much at once.
+    pub(crate) fn lose(&mut self, energy: Microjoules) {
+        self.stored_nj = self.stored_nj.saturating_sub(energy.get().saturating_mul(1_000));
+    }
+
     /// Lets time pass at this draw and generation. What a full battery cannot
     /// take is shunted; what a flat one cannot give is missing on the bus.
     pub(crate) fn pass(&mut self, time: Duration, draw: Milliwatts, generation: Milliwatts) {

@@ -40,12 +40,14 @@
 //! | [`interleave`] | threads as coroutines, a seeded schedule, locks and wake flags in virtual time |
 //! | [`parameters`] | the numbers, with their reasons |
 //! | [`payload`] | a bus, a battery, and whatever units a mission has |
+//! | [`rover`] | a generator, zones, sequences and a computer that sleeps, over days |
 
 #![forbid(unsafe_code)]
 
 pub mod interleave;
 pub mod parameters;
 pub mod payload;
+pub mod rover;
 
 mod battery;
 mod camera;
