@@ -20,11 +20,13 @@
 //! | [`timed`] | what the planner answers |
 //! | [`timeline`] | what is used when, and where else something fits |
 //! | [`mod@file`] | plans, parameters and states in files |
+//! | [`execute`] | the control thread: dispatches, checks, aborts |
 //! | [`trace`] | what happened when a plan was executed |
 
 #![forbid(unsafe_code)]
 
 pub mod file;
+pub mod execute;
 pub mod parameters;
 pub mod plan;
 pub mod state;

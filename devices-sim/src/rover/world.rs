@@ -7,7 +7,7 @@ mod looks;
 use std::collections::BTreeMap;
 
 use faregate_tickets::amount::{Microjoules, Milliwatts};
-use faregate_tickets::clock::{Duration, Instant};
+use faregate_tickets::clock::Instant;
 
 use super::faults::RoverScript;
 use super::gauge::Gauge;

@@ -1,0 +1,317 @@
+//! The control thread: a plan is executed, at a higher rate than it is made.
+//!
+//! A step function. What happened goes in, with the instant at which it did;
+//! what is to be done comes out. It has no clock, device or ticket itself: its
+//! host has them, and asks [`Control::due`] when to come again. Whoever plans is
+//! called by the host, too, when [`Action::Replan`] says so, from
+//! [`Control::state`]; the answer comes back as [`Event::Adopt`].
+//!
+//! # What it does
+//!
+//! | when | what |
+//! |---|---|
+//! | a planned start has come | checks everything again with what is known now, then asks for tickets |
+//! | the tickets are granted | checks once more, and starts the sequence |
+//! | cutoff passed; hard limit; optional and soft limit; optional and past its duration | aborts |
+//! | tickets are taken | pauses what can be paused, aborts the rest |
+//! | something ended early, failed or was vetoed | starts what is planned next, if nothing planned has to start later for it |
+//! | an expanding activity is at its planned end | tells it to end, and gives it a grace |
+//! | handover | the next plan takes over, if it is there |
+//!
+//! | file | what |
+//! |---|---|
+//! | `absorb` | what happened |
+//! | `aborts` | what must not go on |
+//! | `computer` | the computer and the heaters |
+//! | `dispatch`, `ready` | planned starts, and what is checked |
+//! | `early` | starts before the planned one |
+//! | `outlook` | limits on the projection |
+//! | `wishes` | when a new plan is wanted |
+
+mod aborts;
+mod absorb;
+mod book;
+mod computer;
+mod dispatch;
+mod due;
+mod early;
+mod handover;
+mod outlook;
+mod ready;
+mod wishes;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use faregate_tickets::amount::Microjoules;
+
+use crate::parameters::Parameters;
+use crate::plan::{Activity, ActivityId, Outcome, Plan};
+use crate::state::{Mode, State, Window};
+use crate::timed::{Slot, TimedPlan};
+use crate::trace::{Cause, Unstarted, Why};
+use crate::units::{Bytes, Span, Time};
+
+pub use outlook::Outlook;
+pub use ready::NotReady;
+
+/// How a plan is executed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Options {
+    /// Whether activities may start before their planned start.
+    pub early_starts: bool,
+    /// Whether new plans are made.
+    pub replans: bool,
+    /// A new plan is made at least this often while the computer is up.
+    pub period: Span,
+}
+
+impl Default for Options {
+    /// All that the planner can do; a new plan at least every half hour.
+    fn default() -> Self {
+        Self { early_starts: true, replans: true, period: Span::from_mins(30) }
+    }
+}
+
+impl Options {
+    /// The first timed plan, as it stands.
+    pub const STATIC: Self =
+        Self { early_starts: false, replans: false, period: Span::new(i64::MAX) };
+}
+
+/// Something happened, or was found out.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// Nothing: time has passed.
+    Tick,
+    /// The sensors say this.
+    Estimate {
+        /// What the battery holds.
+        charge: Microjoules,
+        /// Which zones are warm enough; one that is not named is not.
+        zones: BTreeMap<String, bool>,
+    },
+    /// A variable's value changed; none: nobody knows it any more.
+    Variable(String, Option<i64>),
+    /// All tickets of an activity were granted.
+    Granted(ActivityId),
+    /// Its tickets were taken, and its devices were made safe.
+    Taken(ActivityId),
+    /// Its tickets are valid again.
+    Returned(ActivityId),
+    /// It ended by itself.
+    Ended(ActivityId, Outcome, Bytes),
+    /// What it has really added to the data on board by now.
+    Data(ActivityId, Bytes),
+    /// The computer has begun to do this.
+    Mode(Mode),
+    /// The communication windows are these.
+    Windows(Vec<Window>),
+    /// An activity must not start.
+    Veto(ActivityId),
+    /// A running activity must not go on.
+    Stop(ActivityId),
+    /// A new timed plan is executed from now on.
+    Adopt(Box<TimedPlan>),
+    /// The next plan, as it was asked for; or why there is none.
+    Next(Result<Arc<Plan>, String>),
+}
+
+/// What is to be done.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Action {
+    /// Ask for the tickets of an activity, all or nothing.
+    Request(ActivityId),
+    /// Give its tickets back, granted or not: it does not start now.
+    Withdraw(ActivityId),
+    /// Start it: its tickets are valid.
+    Start(Start),
+    /// Tell it to end.
+    TellToEnd(ActivityId),
+    /// Revoke its tickets, make its devices safe.
+    Abort(ActivityId, Cause),
+    /// It stands still.
+    Pause(ActivityId),
+    /// It goes on.
+    Resume(ActivityId),
+    /// It will not start.
+    NotStarted(ActivityId, Unstarted),
+    /// A block that nobody starts is over.
+    BlockOver(ActivityId),
+    /// Switch a zone's heater.
+    Heat {
+        /// The zone.
+        zone: String,
+        /// On or off.
+        on: bool,
+    },
+    /// Wake the computer, which takes this long.
+    Wake(Span),
+    /// Shut the computer down, which takes this long.
+    ShutDown(Span),
+    /// A new plan is wanted.
+    Replan(Vec<Why>),
+    /// The next plan is wanted.
+    LoadNext(String),
+    /// The next plan took over.
+    HandedOver,
+    /// The next plan could not take over.
+    NoNextPlan(String),
+}
+
+/// An activity is started.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Start {
+    /// Which one.
+    pub id: ActivityId,
+    /// Its planned end and the start range that it uses.
+    pub slot: Slot,
+    /// Whether this is before its planned start.
+    pub early: bool,
+}
+
+/// The control thread of one plan.
+#[derive(Clone, Debug)]
+pub struct Control {
+    plan: Arc<Plan>,
+    parameters: Arc<Parameters>,
+    options: Options,
+    index: BTreeMap<ActivityId, usize>,
+    state: State,
+    timed: TimedPlan,
+    /// What is planned and has not started.
+    planned: BTreeMap<ActivityId, Slot>,
+    /// Tickets that were asked for: since when, and whether before the planned
+    /// start.
+    asked: BTreeMap<ActivityId, Asked>,
+    /// Expanding activities that were told to end.
+    told: BTreeSet<ActivityId>,
+    /// Zones that are warm enough, by their estimates.
+    warm: BTreeMap<String, bool>,
+    /// Estimates in a row below the soft limit.
+    below_soft: u32,
+    /// The hard limit was reached, and the charge has not recovered.
+    spent: bool,
+    /// Something ended before its planned end, and what comes next may start.
+    freed: bool,
+    wishes: BTreeSet<Why>,
+    planned_at: Time,
+    /// What a new plan was wanted for since the last one: not again.
+    wished: BTreeSet<Why>,
+    next_plan: NextPlan,
+    is_over: bool,
+    actions: Vec<Action>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Asked {
+    since: Time,
+    early: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum NextPlan {
+    Expected,
+    AskedFor,
+    None,
+}
+
+impl Control {
+    /// Executes a plan that was made from this state.
+    #[must_use]
+    pub fn new(
+        plan: Arc<Plan>,
+        parameters: Arc<Parameters>,
+        state: State,
+        timed: TimedPlan,
+        options: Options,
+    ) -> Self {
+        let next_plan = if plan.next_plan.is_some() { NextPlan::Expected } else { NextPlan::None };
+        let now = state.now;
+        let mut control = Self {
+            index: book::index(&plan),
+            plan,
+            parameters,
+            options,
+            state,
+            timed: TimedPlan::default(),
+            planned: BTreeMap::new(),
+            asked: BTreeMap::new(),
+            told: BTreeSet::new(),
+            warm: BTreeMap::new(),
+            below_soft: 0,
+            spent: false,
+            freed: false,
+            wishes: BTreeSet::new(),
+            planned_at: now,
+            wished: BTreeSet::new(),
+            next_plan,
+            is_over: false,
+            actions: Vec::new(),
+        };
+        control.adopt(timed);
+        control
+    }
+
+    /// Takes in what happened, and decides what is to be done. What happened at
+    /// one instant comes in before its [`Event::Tick`].
+    ///
+    /// # Timing
+    /// A look at each activity; for each that could start now, a projection of
+    /// the charge.
+    pub fn step(&mut self, now: Time, event: Event) -> Vec<Action> {
+        self.state.now = now;
+        self.absorb(event);
+        if !self.is_over {
+            self.abort_what_must_not_go_on();
+            self.take_over();
+            self.close_ranges();
+            self.run_computer();
+            self.heat();
+            self.dispatch();
+            self.start_early();
+            self.want_plans();
+            self.end_plan();
+        }
+        std::mem::take(&mut self.actions)
+    }
+
+    /// What is so now, as far as is known: what a plan is made from.
+    #[must_use]
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// The plan that is executed: the next one, after handover.
+    #[must_use]
+    pub fn plan(&self) -> &Arc<Plan> {
+        &self.plan
+    }
+
+    /// The timed plan that is executed.
+    #[must_use]
+    pub fn timed(&self) -> &TimedPlan {
+        &self.timed
+    }
+
+    /// The timed plan that a new one is made from: what waits for its tickets
+    /// begins now, and not in the past.
+    #[must_use]
+    pub fn incumbent(&self) -> TimedPlan {
+        self.with_pushed_starts()
+    }
+
+    /// Whether the plan has come to its end.
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        self.is_over
+    }
+
+    fn now(&self) -> Time {
+        self.state.now
+    }
+
+    fn activity(&self, id: ActivityId) -> Option<&Activity> {
+        self.plan.activities.get(*self.index.get(&id)?)
+    }
+}

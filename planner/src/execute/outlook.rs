@@ -1,0 +1,127 @@
+//! Limits on the projection: what would be broken if an activity started now,
+//! with everything else as it is planned.
+//!
+//! It looks from the present estimates along the timed plan, without planning:
+//! so it costs little, and a plan that was made from older estimates is not
+//! trusted with a start that it would not allow today.
+
+mod charge;
+mod claims;
+
+use std::collections::BTreeMap;
+
+use crate::parameters::Parameters;
+use crate::plan::{Activity, ActivityId, Plan};
+use crate::state::State;
+use crate::timed::{Limit, Slot, TimedPlan};
+use crate::units::Bytes;
+
+use claims::Claim;
+
+/// What is looked at.
+#[derive(Clone, Copy, Debug)]
+pub struct Outlook<'a> {
+    plan: &'a Plan,
+    parameters: &'a Parameters,
+    state: &'a State,
+    timed: &'a TimedPlan,
+}
+
+impl<'a> Outlook<'a> {
+    /// From this state along this timed plan.
+    #[must_use]
+    pub const fn new(
+        plan: &'a Plan,
+        parameters: &'a Parameters,
+        state: &'a State,
+        timed: &'a TimedPlan,
+    ) -> Self {
+        Self { plan, parameters, state, timed }
+    }
+
+    /// Whether an activity can run then, beside what runs and the windows, and
+    /// beside what else is planned and has not started: before its time it must
+    /// be in nobody's way, at its time in the way of nothing that is more
+    /// important.
+    ///
+    /// # Errors
+    /// The limit that would be broken.
+    pub fn admits(
+        &self,
+        activity: &Activity,
+        slot: Slot,
+        planned: &BTreeMap<ActivityId, Slot>,
+        early: bool,
+    ) -> Result<(), Limit> {
+        let mine = Claim::of(activity, slot);
+        let others = self.claims(activity, planned, early);
+        claims::beside(&mine, &others, self.parameters)?;
+        if early && !self.stays_up(slot) {
+            return Err(Limit::Computer);
+        }
+        self.keeps_data(activity)?;
+        self.keeps_charge(activity, slot, planned)
+    }
+
+    fn is_mandatory(&self, activity: &Activity) -> bool {
+        activity.priority >= self.parameters.mandatory_from
+    }
+
+    /// Who would be in the way.
+    fn claims(
+        &self,
+        activity: &Activity,
+        planned: &BTreeMap<ActivityId, Slot>,
+        early: bool,
+    ) -> Vec<Claim> {
+        let now = self.state.now;
+        let windows = self.state.windows.iter().filter(|w| w.end > now).map(Claim::of_window);
+        let running = self.state.running.iter().filter_map(|running| {
+            // One that runs too long is looked at again at once.
+            let end = running.ends.max(now);
+            let slot = Slot { start: running.started, end, range: 0 };
+            Some(Claim::of(self.activity(running.id)?, slot))
+        });
+        let matters = |other: &Activity| early || other.priority > activity.priority;
+        let planned = planned.iter().filter_map(|(id, slot)| {
+            let other = self.activity(*id).filter(|other| *id != activity.id && matters(other))?;
+            (slot.start > now).then(|| Claim::of(other, *slot))
+        });
+        let heating = self.timed.preheats.iter().filter(|heating| heating.end > now);
+        let heating = heating.filter_map(|heating| Claim::of_heating(heating, self.parameters));
+        windows.chain(running).chain(planned).chain(heating).collect()
+    }
+
+    /// Whether the computer is planned to be up all the time.
+    fn stays_up(&self, slot: Slot) -> bool {
+        self.timed.awake.iter().any(|phase| phase.up <= slot.start && slot.end <= phase.down)
+    }
+
+    /// An optional activity adds no data past the maximum; what is planned
+    /// already counts from its own start.
+    fn keeps_data(&self, activity: &Activity) -> Result<(), Limit> {
+        if self.is_mandatory(activity) || activity.data <= Bytes::ZERO {
+            return Ok(());
+        }
+        let now = self.state.now;
+        let ended: i64 = self.state.ended.iter().map(|ended| ended.data.get()).sum();
+        let running: i64 = self
+            .state
+            .running
+            .iter()
+            .map(|running| {
+                let modelled = self.activity(running.id).map_or(0, |one| one.data.get());
+                running.data.get().max(modelled)
+            })
+            .sum();
+        let windows = self.state.windows.iter().filter(|window| window.end <= now);
+        let windows: i64 = windows.map(|window| window.data.get().min(0)).sum();
+        let total = ended.saturating_add(running).saturating_add(windows);
+        let fits = total.saturating_add(activity.data.get()) <= self.plan.max_delta_data.get();
+        if fits { Ok(()) } else { Err(Limit::Data) }
+    }
+
+    fn activity(&self, id: ActivityId) -> Option<&'a Activity> {
+        self.plan.activities.iter().find(|activity| activity.id == id)
+    }
+}

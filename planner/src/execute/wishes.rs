@@ -1,0 +1,88 @@
+//! When a new plan is wanted.
+
+use super::ready::NotReady;
+use super::{Action, Control};
+use crate::state::Mode;
+use crate::trace::Why;
+use crate::units::{Span, Time};
+
+impl Control {
+    pub(super) fn wish(&mut self, why: Why) {
+        self.wishes.insert(why);
+    }
+
+    /// What is wanted is said while the computer is up: nobody plans in sleep.
+    pub(super) fn want_plans(&mut self) {
+        self.notice_what_is_late();
+        self.notice_what_runs_too_long();
+        if self.now().since(self.planned_at) >= self.options.period {
+            self.wish(Why::Periodic);
+        }
+        if !self.options.replans {
+            return self.wishes.clear();
+        }
+        if self.state.mode == Mode::Awake && !self.wishes.is_empty() {
+            let wishes = std::mem::take(&mut self.wishes).into_iter().collect();
+            self.actions.push(Action::Replan(wishes));
+        }
+    }
+
+    /// Once for each plan: a plan that does not help is not made again and again.
+    fn wish_once(&mut self, why: Why) {
+        if self.wished.insert(why) {
+            self.wish(why);
+        }
+    }
+
+    fn notice_what_is_late(&mut self) {
+        let latest = self.now().before(self.parameters.handover_tolerance);
+        let late: Vec<_> = self
+            .planned
+            .iter()
+            .filter(|(_, slot)| slot.start < latest)
+            .map(|(id, slot)| (*id, *slot))
+            .collect();
+        for (id, slot) in late {
+            if let Err(NotReady::Zone(zone)) = self.ready(id, slot, false) {
+                self.found_cold(zone);
+            }
+            self.wish_once(Why::Late(id));
+        }
+    }
+
+    /// It is heated again from scratch.
+    fn found_cold(&mut self, zone: String) {
+        if self.state.cold.contains(&zone) {
+            return;
+        }
+        if let Some(since) = self.state.heating.get_mut(&zone) {
+            *since = self.state.now;
+        }
+        self.state.cold.push(zone);
+        self.wish_once(Why::ZoneCold);
+    }
+
+    fn notice_what_runs_too_long(&mut self) {
+        let now = self.now();
+        let too_long: Vec<_> = self
+            .state
+            .running
+            .iter()
+            .filter(|running| running.paused.is_none() && now >= running.ends)
+            .map(|running| running.id)
+            .collect();
+        for id in too_long {
+            if now >= self.looked_at_again() {
+                self.wish(Why::Overran(id));
+            } else {
+                self.wish_once(Why::Overran(id));
+            }
+        }
+    }
+
+    /// A running activity past its planned end is looked at so often.
+    pub(super) fn looked_at_again(&self) -> Time {
+        let commit = self.parameters.commit.get().max(1_000);
+        self.planned_at.after(Span::new(commit))
+    }
+}
