@@ -120,10 +120,11 @@ impl fmt::Display for Bytes {
 impl fmt::Display for Ppm {
     /// In percent, exact.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (whole, rest) = (self.0.div_euclid(10_000), self.0.rem_euclid(10_000));
+        let sign = if self.0 < 0 { "-" } else { "" };
+        let (whole, rest) = (self.0.unsigned_abs() / 10_000, self.0.unsigned_abs() % 10_000);
         match rest {
-            0 => write!(f, "{whole} %"),
-            rest => write!(f, "{} %", format!("{whole}.{rest:04}").trim_end_matches('0')),
+            0 => write!(f, "{sign}{whole} %"),
+            rest => write!(f, "{sign}{} %", format!("{whole}.{rest:04}").trim_end_matches('0')),
         }
     }
 }
