@@ -21,6 +21,8 @@
 //! | [`timeline`] | what is used when, and where else something fits |
 //! | [`mod@file`] | plans, parameters and states in files |
 //! | [`execute`] | the control thread: dispatches, checks, aborts |
+//! | [`words`] | the same in words |
+//! | [`picture`] | the same as a picture |
 //! | [`trace`] | what happened when a plan was executed |
 
 #![forbid(unsafe_code)]
@@ -28,12 +30,14 @@
 pub mod file;
 pub mod execute;
 pub mod parameters;
+pub mod picture;
 pub mod plan;
 pub mod state;
 pub mod timed;
 pub mod timeline;
 pub mod trace;
 pub mod units;
+pub mod words;
 
 pub use parameters::Parameters;
 pub use plan::{Activity, ActivityId, Plan};
