@@ -27,8 +27,8 @@
 
 #![forbid(unsafe_code)]
 
-pub mod file;
 pub mod execute;
+pub mod file;
 pub mod parameters;
 pub mod picture;
 pub mod plan;

@@ -29,11 +29,8 @@ fn state() -> State {
 #[test]
 fn the_templates_are_the_same_after_each_way_through_each_form() {
     let names = parameters();
-    let all = [
-        Document::Plan(plan()),
-        Document::Parameters(parameters()),
-        Document::State(state()),
-    ];
+    let all =
+        [Document::Plan(plan()), Document::Parameters(parameters()), Document::State(state())];
     for document in all {
         for parameters in [Some(&names), None] {
             let xml = file::to_xml(&document, parameters);
