@@ -87,6 +87,8 @@ pub struct Manager {
     measured: Measured,
     /// Tasks that can never run, and are to be taken out: index, position, why.
     doomed: VecDeque<(u32, u64, String)>,
+    /// Tasks that are over, in the order in which they ended.
+    ended: VecDeque<u32>,
     armed: Vec<u32>,
     /// The instants that were prepared for, by each clock.
     armed_for: [Option<Micros>; 2],
@@ -153,6 +155,7 @@ impl Manager {
             modes: Modes::default(),
             measured: Measured::default(),
             doomed: VecDeque::new(),
+            ended: VecDeque::new(),
             armed: Vec::new(),
             armed_for: [None; 2],
             open: 0,

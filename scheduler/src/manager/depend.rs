@@ -109,6 +109,9 @@ impl Step<'_> {
             self.manager.open = self.manager.open.saturating_sub(1);
         }
         let ended = self.entry(index).is_some_and(|entry| entry.place == Place::Over);
+        if ended {
+            self.manager.ended.retain(|ended| *ended != index);
+        }
         self.manager.entries.remove(index);
         self.manager.loads.insert(id, load.saturating_add(1));
         if !ended {

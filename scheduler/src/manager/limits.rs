@@ -13,6 +13,10 @@ pub const MAX_DEVICES: usize = 128;
 /// instant, and some.
 pub const MOST_ARMED: usize = 64;
 
+/// Of how many tasks that are over it is remembered how they ended, in the
+/// status and in the journal. The one that ended first is forgotten first.
+pub const MOST_ENDED: usize = 1_000;
+
 /// How far ahead an instant must lie to be prepared for. A sync takes less.
 pub const ARMED_AHEAD: Duration = Duration::from_millis(50);
 

@@ -1,7 +1,7 @@
 //! The life of an occurrence: it becomes the present one, waits, and is over.
 
 use crate::manager::entry::{Asked, Entry, Misses, Place, Run};
-use crate::manager::limits::LATENESS;
+use crate::manager::limits::{LATENESS, MOST_ENDED};
 use crate::manager::point::{Point, from_duration};
 use crate::manager::step::Step;
 use crate::manager::timers::Kind;
@@ -227,6 +227,18 @@ impl Step<'_> {
         if let Some(entry) = self.entry_mut(index) {
             entry.place = Place::Over;
             self.manager.open = self.manager.open.saturating_sub(1);
+            self.manager.ended.push_back(index);
+        }
+        self.forget_the_first();
+    }
+
+    /// Tasks that are over make room for those that ended later. Nobody misses
+    /// them: who depends on one has heard of its end.
+    pub(crate) fn forget_the_first(&mut self) {
+        while self.manager.ended.len() > MOST_ENDED
+            && let Some(index) = self.manager.ended.pop_front()
+        {
+            self.take_out(index);
         }
     }
 }

@@ -43,6 +43,7 @@ impl Step<'_> {
         for (index, past) in &tasks {
             self.go_on_from(*index, *past);
         }
+        self.forget_the_first();
         self.decide();
     }
 
@@ -70,6 +71,7 @@ impl Step<'_> {
             entry.last = ended.map(|(_, outcome)| outcome);
             entry.place = Place::Over;
             self.manager.open = self.manager.open.saturating_sub(1);
+            self.manager.ended.push_back(index);
         }
         (index, past)
     }

@@ -2,6 +2,8 @@
 
 use faregate_agents::Categories;
 use faregate_scheduler::Mission;
+use faregate_scheduler::journal::replay;
+use faregate_scheduler::manager::limits::MOST_ENDED;
 use faregate_scheduler::manager::{Record, Reply, State, Telecommand};
 use faregate_scheduler::mission::{DeviceSpec, ModeSpec};
 use faregate_scheduler::task::{Body, BuiltIn, Outcome, Preemption, Task, TaskPriority};
@@ -336,4 +338,28 @@ fn status_tells_of_every_task_where_it_stands() {
     assert!(states[5].starts_with("pending None"), "{states:?}");
     let of = |n: usize| world.manager().waits_for(status[n].occurrence);
     assert!(of(0).is_none() && of(2).is_some());
+}
+
+#[test]
+fn of_the_tasks_that_ended_the_last_ones_are_remembered_and_can_be_cleared() {
+    let most = u32::try_from(MOST_ENDED).unwrap();
+    let mut world = World::of((1..=most + 2).map(|n| task(n, 0.0).at(f64::from(n))));
+    let shown = |world: &World| {
+        let ids = world.manager().status().map(|status| status.occurrence.task.get());
+        ids.collect::<Vec<_>>()
+    };
+    world.until(f64::from(most));
+    assert_eq!(shown(&world).len(), MOST_ENDED + 2, "two have not run");
+    world.until(f64::from(most + 2));
+    assert_eq!(shown(&world), (3..=most + 2).collect::<Vec<_>>());
+    assert!(world.manager().is_over());
+    // The journal forgets them, too, and an id is used again as another task's.
+    assert_eq!(replay(world.journal.records.clone()).tasks.len(), MOST_ENDED);
+    world.add([task(1, 1.0), task(5, 1.0)]);
+    world.until(f64::from(most + 9));
+    assert_eq!(world.lines(&["task 1 attempt 1 started", "task 5 attempt 1 started"]).len(), 4);
+    assert_eq!(shown(&world).len(), MOST_ENDED);
+    world.ask(Telecommand::Clear { all: false });
+    assert_eq!(shown(&world), [0; 0]);
+    assert!(replay(world.journal.records).tasks.is_empty());
 }
