@@ -14,6 +14,12 @@ use faregate_scheduler::time::Duration;
 use faregate_tickets::id::Priority;
 use rig::{Needing, Rig, needs, task};
 
+fn task_1_has_a_camera() -> Rig {
+    let mut rig = Rig::new(&["camera"]);
+    rig.run(1, &needs(5).commanding(&["camera"]));
+    rig
+}
+
 #[test]
 fn who_takes_a_category_is_granted_it_when_the_task_that_had_it_has_stopped() {
     let mut rig = Rig::new(&[]);
@@ -47,9 +53,7 @@ fn a_task_whose_tickets_were_taken_gets_them_back_without_asking() {
     rig.request(2, &needs(9).drawing(20), &[1]);
     rig.taken(1, "task 2");
     rig.stop(1);
-    rig.granted(2);
-    rig.start(2);
-    rig.end(2);
+    rig.granted_and_done(2);
     rig.granted(1);
 }
 
@@ -73,9 +77,7 @@ fn between_equals_the_managers_word_counts_and_not_who_asked_first() {
     rig.taken(1, "task 2");
     rig.nothing_is_told();
     rig.stop(1);
-    rig.granted(2);
-    rig.start(2);
-    rig.end(2);
+    rig.granted_and_done(2);
     rig.granted(1);
 }
 
@@ -99,9 +101,7 @@ fn a_victim_that_somebody_else_has_taken_already_keeps_its_turn() {
     rig.taken(1, "task 2");
     rig.request(3, &needs(5).using(3), &[1]);
     rig.stop(1);
-    rig.granted(2);
-    rig.start(2);
-    rig.end(2);
+    rig.granted_and_done(2);
     rig.granted(1);
 }
 
@@ -185,8 +185,7 @@ fn a_task_commands_its_gates_and_no_others() {
 
 #[test]
 fn the_commands_of_a_task_are_refused_with_the_name_of_the_taker() {
-    let mut rig = Rig::new(&["camera"]);
-    rig.run(1, &needs(5).commanding(&["camera"]));
+    let mut rig = task_1_has_a_camera();
     rig.command(1, "camera", "on").unwrap();
     rig.request(2, &needs(200).commanding(&["camera"]), &[1]);
     // At once: nobody has told the manager yet.
@@ -206,8 +205,7 @@ fn the_commands_of_a_task_are_refused_with_the_name_of_the_taker() {
 
 #[test]
 fn the_commands_of_an_equal_that_was_chosen_as_a_victim_name_the_taker_too() {
-    let mut rig = Rig::new(&["camera"]);
-    rig.run(1, &needs(5).commanding(&["camera"]));
+    let mut rig = task_1_has_a_camera();
     rig.request(2, &needs(5).commanding(&["camera"]), &[1]);
     let taken = "Taken: the ticket is not valid: taken by task 2";
     assert_eq!(rig.command(1, "camera", "on"), Err(taken.to_owned()));
@@ -216,8 +214,7 @@ fn the_commands_of_an_equal_that_was_chosen_as_a_victim_name_the_taker_too() {
 
 #[test]
 fn the_commands_of_an_attempt_that_is_over_are_refused() {
-    let mut rig = Rig::new(&["camera"]);
-    rig.run(1, &needs(5).commanding(&["camera"]));
+    let mut rig = task_1_has_a_camera();
     rig.command(1, "camera", "on").unwrap();
     rig.end(1);
     let over = Err("Over: task 1 attempt 1 is over, or has no tickets".to_owned());
@@ -226,8 +223,7 @@ fn the_commands_of_an_attempt_that_is_over_are_refused() {
 
 #[test]
 fn the_next_attempt_has_the_tickets_and_the_one_before_has_nothing() {
-    let mut rig = Rig::new(&["camera"]);
-    rig.run(1, &needs(5).commanding(&["camera"]));
+    let mut rig = task_1_has_a_camera();
     rig.stop(1);
     let second = faregate_scheduler::manager::Attempt { number: 2, ..rig::attempt(1) };
     faregate_scheduler::executive::TicketPort::started(
@@ -261,9 +257,7 @@ fn the_devices_of_a_task_that_stands_still_are_made_safe_and_stay_off() {
     rig.taken(1, "task 2");
     rig.until("the camera is off", |rig| !rig.is_on("camera"));
     rig.stop(1);
-    rig.granted(2);
-    rig.start(2);
-    rig.end(2);
+    rig.granted_and_done(2);
     rig.granted(1);
     assert!(!rig.is_on("camera"), "who goes on turns it on itself");
 }
@@ -298,8 +292,7 @@ fn a_mode_takes_its_gates_from_everybody_and_leaves_their_devices_off() {
 
 #[test]
 fn a_gate_that_is_faulted_is_waited_for_and_named() {
-    let mut rig = Rig::new(&["camera"]);
-    rig.run(1, &needs(5).commanding(&["camera"]));
+    let mut rig = task_1_has_a_camera();
     rig.command(1, "camera", "break").unwrap_err();
     rig.taken(1, "its gate is faulted");
     rig.stop(1);
@@ -334,8 +327,7 @@ fn safe_mode_takes_every_task_and_gives_them_back() {
 
 #[test]
 fn a_task_hears_that_its_tickets_were_gone_even_if_they_are_back() {
-    let mut rig = Rig::new(&["camera"]);
-    rig.run(1, &needs(5).commanding(&["camera"]));
+    let mut rig = task_1_has_a_camera();
     rig.request(2, &needs(200).commanding(&["camera"]), &[]);
     rig.relinquish(2);
     // Nobody asks the port meanwhile.
@@ -389,8 +381,7 @@ fn a_device_goes_off_when_the_manager_is_gone() {
 
 #[test]
 fn a_worker_inside_a_slow_command_holds_up_nobody() {
-    let mut rig = Rig::new(&["camera"]);
-    rig.run(1, &needs(5).commanding(&["camera"]));
+    let mut rig = task_1_has_a_camera();
     rig.lamps["camera"].slow.store(true, SeqCst);
     let commander = rig.commander.clone();
     let worker = std::thread::spawn(move || {

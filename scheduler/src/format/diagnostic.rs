@@ -5,7 +5,7 @@ use core::ops::Range;
 
 use serde::Serialize;
 
-use crate::format::wrong::harmless;
+use crate::format::wrong::{Wrong, harmless};
 
 /// Whether a file with this in it is loaded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
@@ -227,30 +227,21 @@ pub struct Also {
 }
 
 impl Diagnostic {
-    pub(crate) fn error(rule: Rule, file: &str, place: Place, message: impl Into<String>) -> Self {
+    /// This, at this place of a file: without control characters, which a
+    /// terminal would obey. Names of columns, gates and files are what somebody
+    /// else wrote.
+    pub(crate) fn of(severity: Severity, file: &str, place: Place, wrong: Wrong) -> Self {
         Self {
-            severity: Severity::Error,
-            rule,
+            severity,
+            rule: wrong.rule,
             file: harmless(file.to_owned()),
             place,
             field: None,
-            message: message.into(),
-            expected: None,
-            help: None,
+            message: harmless(wrong.message),
+            expected: wrong.expected.map(harmless),
+            help: wrong.help.map(harmless),
             also: None,
         }
-    }
-
-    #[must_use]
-    pub(crate) fn expected(mut self, expected: impl Into<String>) -> Self {
-        self.expected = Some(expected.into());
-        self
-    }
-
-    #[must_use]
-    pub(crate) fn help(mut self, help: impl Into<String>) -> Self {
-        self.help = Some(help.into());
-        self
     }
 
     /// Whether nothing of the file is loaded because of it.
@@ -280,9 +271,11 @@ mod tests {
     #[test]
     fn on_one_line_it_reads_as_compilers_say_it() {
         let place = Place { line: 3, column: 7, span: 20..21 };
-        let wrong = Diagnostic::error(Rule::NoBattery, "a.csv", place, "no battery");
-        assert_eq!(wrong.to_string(), "a.csv:3:7: error: no battery");
-        let expected = wrong.expected("0");
-        assert_eq!(expected.to_string(), "a.csv:3:7: error: no battery; expected 0");
+        let told = |wrong: Wrong| {
+            Diagnostic::of(Severity::Error, "a.csv", place.clone(), wrong).to_string()
+        };
+        let wrong = Wrong::new(Rule::NoBattery, "no battery");
+        assert_eq!(told(wrong.clone()), "a.csv:3:7: error: no battery");
+        assert_eq!(told(wrong.expected("0")), "a.csv:3:7: error: no battery; expected 0");
     }
 }

@@ -2,7 +2,8 @@
 
 use core::ops::Range;
 
-use crate::format::diagnostic::{Diagnostic, Place, Rule};
+use crate::format::diagnostic::{Diagnostic, Place, Rule, Severity};
+use crate::format::wrong::Wrong;
 
 /// A file that is being read.
 #[derive(Debug)]
@@ -111,10 +112,10 @@ fn line_starts(text: &str) -> Vec<usize> {
 #[expect(clippy::needless_pass_by_value, reason = "made for this error alone")]
 fn not_utf8(source: Source<'_>, message: &str) -> Vec<Diagnostic> {
     let end = source.text.len();
-    let wrong = Diagnostic::error(Rule::Encoding, source.name, source.place(end..end), message)
+    let wrong = Wrong::new(Rule::Encoding, message)
         .expected("text in UTF-8")
         .help("save the file as UTF-8: spreadsheets call it \"CSV UTF-8\"");
-    vec![wrong]
+    vec![Diagnostic::of(Severity::Error, source.name, source.place(end..end), wrong)]
 }
 
 #[cfg(test)]

@@ -91,22 +91,14 @@ impl<'a> Report<'a> {
     }
 
     fn add(&mut self, severity: Severity, span: Range<usize>, field: &str, wrong: Wrong) {
-        self.found.push(Diagnostic {
-            severity,
-            rule: wrong.rule,
-            file: harmless(self.source.name().to_owned()),
-            place: self.source.place(span),
-            field: Some(harmless(field.to_owned())).filter(|field| !field.is_empty()),
-            message: harmless(wrong.message),
-            expected: wrong.expected.map(harmless),
-            help: wrong.help.map(harmless),
-            also: None,
-        });
+        let place = self.source.place(span);
+        let field = Some(harmless(field.to_owned())).filter(|field| !field.is_empty());
+        let found = Diagnostic::of(severity, self.source.name(), place, wrong);
+        self.found.push(Diagnostic { field, ..found });
     }
 }
 
-/// The same without control characters, which a terminal would obey: names of
-/// columns, gates and files are what somebody else wrote.
+/// The same, with escapes in the place of control characters.
 pub(crate) fn harmless(text: String) -> String {
     if !text.contains(char::is_control) {
         return text;

@@ -277,6 +277,13 @@ impl Rig {
         self.told(&Event::Granted { occurrence: task(number) });
     }
 
+    /// Is granted, and its body runs to its end.
+    pub(crate) fn granted_and_done(&mut self, number: u32) {
+        self.granted(number);
+        self.start(number);
+        self.end(number);
+    }
+
     pub(crate) fn taken(&mut self, number: u32, by: &str) {
         self.told(&Event::Taken { occurrence: task(number), by: by.to_owned() });
     }
