@@ -228,7 +228,7 @@ fn is_valid(all: &Placed, candidate: &Activity, start: i64) -> bool {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(300))]
+    #![proptest_config(ProptestConfig::with_cases(150))]
 
     #[test]
     fn a_start_is_valid_where_no_instant_is_wrong(all in placed(), candidate in activity()) {

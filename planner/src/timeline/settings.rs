@@ -61,7 +61,7 @@ impl Settings {
     /// start and from its end, one start is as good as the other.
     pub(crate) fn bad(&self, setter: Setter, ranges: &[Range], within: Within, bad: &mut Bad) {
         let mut cells = vec![within.0];
-        let ends = ranges.iter().flat_map(|range| [range.from, range.to]);
+        let ends = ranges.iter().flat_map(|range| [range.from, range.to]).chain([self.end]);
         for at in self.sets.keys().map(|key| key.0).chain(ends) {
             let seen = [at, at.saturating_add(1), at.saturating_sub(setter.length)];
             cells.extend(seen);
@@ -153,3 +153,6 @@ fn past(value: i64, min: i64, max: i64) -> Option<i128> {
         () => None,
     }
 }
+
+#[cfg(test)]
+mod tests;

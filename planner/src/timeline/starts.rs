@@ -228,3 +228,6 @@ fn excess(pieces: impl Iterator<Item = Piece>, max: i128) -> Option<(i64, i128)>
     });
     past.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
+
+#[cfg(test)]
+mod tests;
