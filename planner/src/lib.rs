@@ -29,9 +29,15 @@
 
 pub mod execute;
 pub mod file;
+mod derive;
+mod energy;
+mod judge;
 pub mod parameters;
 pub mod picture;
 pub mod plan;
+pub mod problem;
+pub mod schedule;
+pub mod search;
 pub mod state;
 pub mod timed;
 pub mod timeline;
@@ -41,6 +47,8 @@ pub mod words;
 
 pub use parameters::Parameters;
 pub use plan::{Activity, ActivityId, Plan};
+pub use problem::Problem;
+pub use schedule::{schedule, schedule_in_order};
 pub use state::State;
 pub use timed::TimedPlan;
 pub use trace::Trace;

@@ -1,0 +1,324 @@
+//! When the computer is up, as it follows from what needs it and from the
+//! charge: from left to right, in one sweep.
+
+use crate::energy::{Cursor, Energy, Unwatched, Watch};
+use crate::problem::{Draw, Problem};
+use crate::state::Mode;
+
+use super::own::{Frame, Late, VarNeed};
+use super::placed::Who;
+use super::var::{Reach, Var};
+
+/// The computer is up, from waking up to shut down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Phase {
+    pub(crate) wakeup: Var,
+    pub(crate) up: Var,
+    pub(crate) down: Var,
+    pub(crate) asleep: Var,
+}
+
+/// A phase's begin.
+#[derive(Clone, Copy, Debug)]
+struct Up {
+    wakeup: Var,
+    up: Var,
+    /// Awake time counts from then on.
+    counted: Var,
+}
+
+/// How a sleep ends.
+enum Wake {
+    Up(Up),
+    /// With the plan.
+    Never,
+    /// It must not begin.
+    Stay,
+}
+
+/// How a phase ends.
+enum Down {
+    At(Var, Option<Up>),
+    /// Not before the next need.
+    Later,
+    /// Not at all.
+    Never,
+}
+
+/// From now to the end.
+pub(crate) struct Sweep<'a, 'w, W> {
+    problem: &'a Problem,
+    energy: Energy<'a>,
+    pub(crate) reach: Reach,
+    watch: &'w mut W,
+    cursor: Cursor,
+    /// How many needs are met, of those that are placed and of the candidate's.
+    met: (usize, usize),
+    pub(crate) phases: Vec<Phase>,
+    pub(crate) late: Vec<Late>,
+}
+
+impl<'a, 'w, W: Watch> Sweep<'a, 'w, W> {
+    pub(crate) fn new(
+        problem: &'a Problem,
+        frame: Frame<'a>,
+        mut reach: Reach,
+        watch: &'w mut W,
+    ) -> Self {
+        let energy = Energy { problem, frame };
+        let cursor = energy.start(&mut reach);
+        let (phases, late) = (Vec::new(), Vec::new());
+        Self { problem, energy, reach, watch, cursor, met: (0, 0), phases, late }
+    }
+
+    pub(crate) fn run(&mut self) {
+        let mut up = self.first();
+        while let Some(begun) = up
+            && !self.is_done()
+        {
+            up = self.phase(begun);
+        }
+        if !self.is_done() {
+            self.go(self.end(), Draw::default());
+        }
+    }
+
+    fn is_done(&self) -> bool {
+        self.watch.is_done(&self.reach)
+    }
+
+    const fn end(&self) -> Var {
+        Var::fixed(self.problem.end)
+    }
+
+    fn go(&mut self, to: Var, computer: Draw) {
+        self.cursor = self.energy.walk(self.cursor, to, computer, &mut self.reach, self.watch);
+    }
+
+    /// The same without anybody looking.
+    fn think(&mut self, from: Cursor, to: Var, computer: Draw) -> Cursor {
+        self.energy.walk(from, to, computer, &mut self.reach, &mut Unwatched)
+    }
+
+    fn max(&mut self, a: Var, b: Var) -> Var {
+        if self.reach.le(a, b) { b } else { a }
+    }
+
+    fn min(&mut self, a: Var, b: Var) -> Var {
+        if self.reach.le(a, b) { a } else { b }
+    }
+
+    /// From the computer's present mode on.
+    fn first(&mut self) -> Option<Up> {
+        let computer = self.problem.computer;
+        let now = Var::fixed(self.problem.now);
+        if let Some(&block) = self.problem.present_block() {
+            return self.through(Var::fixed(block.to));
+        }
+        let mut since = Var::fixed(computer.since);
+        match computer.mode {
+            Mode::Awake => return Some(Up { wakeup: now, up: now, counted: since }),
+            Mode::WakingUp => {
+                let up = self.max(now, since.later(computer.wakeup_time));
+                let up = self.min(up, self.end());
+                return Some(Up { wakeup: now, up, counted: up });
+            }
+            Mode::ShuttingDown => {
+                since = since.later(computer.shutdown_time);
+                let asleep = self.max(now, since);
+                let asleep = self.min(asleep, self.end());
+                self.go(asleep, computer.shutdown);
+            }
+            Mode::Asleep => {}
+        }
+        match self.wake(self.cursor, since, true) {
+            Wake::Up(up) => Some(self.sleep(up)),
+            Wake::Never | Wake::Stay => None,
+        }
+    }
+
+    /// Sleeps until then.
+    fn sleep(&mut self, up: Up) -> Up {
+        self.go(up.wakeup, Draw::default());
+        up
+    }
+
+    /// Through a manual block, which ends then.
+    fn through(&mut self, to: Var) -> Option<Up> {
+        self.go(to, Draw::default());
+        (to.at < self.problem.end).then_some(Up { wakeup: to, up: to, counted: to })
+    }
+
+    /// An awake phase; what follows after the sleep after it.
+    fn phase(&mut self, begun: Up) -> Option<Up> {
+        let computer = self.problem.computer;
+        self.go(begun.up, computer.wakeup);
+        let mut until = begun.up;
+        loop {
+            let down = self.max(until, begun.counted.later(computer.min_awake));
+            let need = self.need();
+            let mut absorbs = false;
+            if let Some(need) = need {
+                let gap = self.wakeup_for(need).minus(down.later(computer.shutdown_time));
+                absorbs = self.reach.le(need.from, until)
+                    || self.reach.lt(gap, Var::fixed(computer.min_sleep));
+            }
+            if !absorbs {
+                if self.reach.lt(self.end(), down.later(computer.shutdown_time)) {
+                    return self.to_the_end(begun);
+                }
+                match self.down(down, need) {
+                    Down::Never => return self.to_the_end(begun),
+                    Down::At(down, next) => return self.close(begun, down, next),
+                    Down::Later => {}
+                }
+            }
+            let Some(need) = need else { return self.to_the_end(begun) };
+            self.meet(need);
+            if need.who == Who::Block {
+                return self.before_block(begun, need.from);
+            }
+            if need.who != Who::Present && self.reach.lt(need.from, begun.up) {
+                let by = begun.up.at - need.from.at;
+                self.late.push(Late { at: need.from, who: need.who, by });
+            }
+            until = self.max(until, need.to);
+        }
+    }
+
+    fn to_the_end(&mut self, begun: Up) -> Option<Up> {
+        let end = self.end();
+        self.go(end, self.problem.computer.awake);
+        self.phases.push(Phase { wakeup: begun.wakeup, up: begun.up, down: end, asleep: end });
+        None
+    }
+
+    fn before_block(&mut self, begun: Up, from: Var) -> Option<Up> {
+        self.go(from, self.problem.computer.awake);
+        self.phases.push(Phase { wakeup: begun.wakeup, up: begun.up, down: from, asleep: from });
+        let to = self.problem.next_block(from.at).map_or(self.problem.end, |block| block.to);
+        self.through(Var::fixed(to))
+    }
+
+    fn close(&mut self, begun: Up, down: Var, next: Option<Up>) -> Option<Up> {
+        let computer = self.problem.computer;
+        let asleep = down.later(computer.shutdown_time);
+        self.go(down, computer.awake);
+        self.go(asleep, computer.shutdown);
+        self.phases.push(Phase { wakeup: begun.wakeup, up: begun.up, down, asleep });
+        next.map(|up| self.sleep(up))
+    }
+
+    /// The next need.
+    fn need(&mut self) -> Option<VarNeed> {
+        let frame = self.energy.frame;
+        let mut placed = frame.placed.needs.get(self.met.0);
+        while let Some(need) = placed
+            && frame.own.gone.contains(need)
+        {
+            self.met.0 += 1;
+            placed = frame.placed.needs.get(self.met.0);
+        }
+        let placed = placed.map(|need| VarNeed {
+            from: Var::fixed(need.from),
+            to: Var::fixed(need.to),
+            who: need.who,
+        });
+        let own = frame.own.needs.get(self.met.1).copied();
+        match (placed, own) {
+            (Some(placed), Some(own)) => {
+                Some(if self.reach.le(placed.from, own.from) { placed } else { own })
+            }
+            (placed, own) => placed.or(own),
+        }
+    }
+
+    /// The next need is met.
+    fn meet(&mut self, need: VarNeed) {
+        let own = self.energy.frame.own.needs.get(self.met.1);
+        if own.is_some_and(|own| own.who == need.who && own.from == need.from) {
+            self.met.1 += 1;
+        } else {
+            self.met.0 += 1;
+        }
+    }
+
+    /// When it is up for a need: earlier, where the phase would otherwise end
+    /// before it is long enough.
+    fn up_for(&mut self, need: VarNeed) -> Var {
+        if need.who == Who::AfterBlock {
+            return need.from;
+        }
+        let block = self.problem.next_block(need.from.at).map(|block| block.from);
+        let last = Var::fixed(block.unwrap_or(self.problem.end));
+        self.min(need.from, last.later(-self.problem.computer.min_awake))
+    }
+
+    fn wakeup_for(&mut self, need: VarNeed) -> Var {
+        self.up_for(need).later(-self.problem.computer.wakeup_time)
+    }
+
+    /// How a sleep ends that begins at the cursor, or is in progress there
+    /// (`first`), and counts from `since` on.
+    fn wake(&mut self, cursor: Cursor, since: Var, first: bool) -> Wake {
+        let computer = self.problem.computer;
+        let end = self.end();
+        let need = self.need();
+        let mut until = end;
+        if let Some(need) = need {
+            until = self.wakeup_for(need);
+            if first && self.reach.lt(until, cursor.at) {
+                let by = cursor.at.at - until.at;
+                self.late.push(Late { at: need.from, who: need.who, by });
+                let up = self.min(cursor.at.later(computer.wakeup_time), end);
+                return Wake::Up(Up { wakeup: cursor.at, up, counted: up });
+            }
+        }
+        let Some(full) = self.full(cursor, until) else {
+            let Some(need) = need else { return Wake::Never };
+            if first && self.reach.lt(until.minus(since), Var::fixed(computer.min_sleep)) {
+                let by = computer.min_sleep - (until.at - since.at);
+                self.late.push(Late { at: need.from, who: need.who, by });
+            }
+            let up = until.later(computer.wakeup_time);
+            return Wake::Up(Up { wakeup: until, up, counted: up });
+        };
+        let mut wakeup = full;
+        if need.is_none() {
+            let last = end.later(-computer.min_awake - computer.wakeup_time);
+            if self.reach.lt(last, wakeup) {
+                if !first && self.reach.lt(last.minus(since), Var::fixed(computer.min_sleep)) {
+                    return Wake::Stay;
+                }
+                wakeup = self.max(last, cursor.at);
+            }
+        }
+        let up = self.min(wakeup.later(computer.wakeup_time), end);
+        Wake::Up(Up { wakeup, up, counted: up })
+    }
+
+    /// The last instant of a sleep at which the charge is not above the
+    /// maximum, where it comes above it until then.
+    fn full(&mut self, mut cursor: Cursor, until: Var) -> Option<Var> {
+        let max = Var::fixed(self.problem.battery.max);
+        if self.reach.lt(max, cursor.charge) {
+            return Some(cursor.at);
+        }
+        loop {
+            let step = self.energy.next(&cursor, &mut self.reach);
+            let to = step.map_or(until, |step| self.min(step.at, until));
+            let net = self.energy.net(&cursor, Draw::default());
+            let charge = cursor.charge.plus(to.minus(cursor.at).times(net));
+            if net > 0 && self.reach.lt(max, charge) {
+                return Some(cursor.at.plus(max.minus(cursor.charge).divided(net)));
+            }
+            if self.reach.le(until, to) {
+                return None;
+            }
+            cursor = self.think(cursor, to, Draw::default());
+        }
+    }
+}
+
+#[path = "down.rs"]
+mod down;

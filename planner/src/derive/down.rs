@@ -1,0 +1,105 @@
+//! When an awake phase may end: only where a sleep of the minimum length does
+//! not pass the maximum state of charge.
+
+use crate::energy::{Cursor, Watch};
+use crate::derive::own::VarNeed;
+use crate::derive::var::Var;
+
+use super::{Down, Sweep, Wake};
+
+/// A shutdown that might begin at the first cursor, and is over at the second:
+/// how far a shortest sleep would go past the maximum then.
+#[derive(Clone, Copy)]
+struct Try {
+    down: Cursor,
+    asleep: Cursor,
+    over: Var,
+}
+
+impl<W: Watch> Sweep<'_, '_, W> {
+    /// From `earliest` on, and before the phase is one with the next need's.
+    pub(super) fn down(&mut self, earliest: Var, need: Option<VarNeed>) -> Down {
+        let computer = self.problem.computer;
+        let last = match need {
+            Some(need) => self.wakeup_for(need).later(-computer.min_sleep),
+            None => self.end(),
+        };
+        let last = last.later(-computer.shutdown_time);
+        let cursor = self.think(self.cursor, earliest, computer.awake);
+        let mut now = self.attempt(cursor);
+        if self.reach.le(now.over, Var::fixed(0)) {
+            return self.accept(now);
+        }
+        loop {
+            let next = self.next_change(now, last);
+            if self.reach.le(next, now.down.at) {
+                return if need.is_some() { Down::Later } else { Down::Never };
+            }
+            let cursor = self.think(now.down, next, computer.awake);
+            let then = self.attempt(cursor);
+            if self.reach.le(then.over, Var::fixed(0)) {
+                let first = self.between(now, then);
+                let cursor = self.think(now.down, first, computer.awake);
+                let found = self.attempt(cursor);
+                return self.accept(found);
+            }
+            now = then;
+        }
+    }
+
+    fn accept(&mut self, found: Try) -> Down {
+        match self.wake(found.asleep, found.asleep.at, false) {
+            Wake::Stay => Down::Never,
+            Wake::Never => Down::At(found.down.at, None),
+            Wake::Up(up) => Down::At(found.down.at, Some(up)),
+        }
+    }
+
+    fn attempt(&mut self, down: Cursor) -> Try {
+        let computer = self.problem.computer;
+        let until = down.at.later(computer.shutdown_time);
+        let asleep = self.think(down, until, computer.shutdown);
+        let battery = self.problem.battery;
+        // A sleep that the plan's end cuts needs only what is left of it.
+        let left = self.end().minus(until);
+        let sleep = self.min(left, Var::fixed(computer.min_sleep));
+        let gain = sleep.times(battery.idle.max(0));
+        let over = asleep.charge.plus(gain).later(-battery.max);
+        Try { down, asleep, over }
+    }
+
+    /// The next instant at which `over` may go on in another direction.
+    fn next_change(&mut self, now: Try, last: Var) -> Var {
+        let computer = self.problem.computer;
+        let mut next = last;
+        if let Some(step) = self.energy.next(&now.down, &mut self.reach) {
+            next = self.min(next, step.at);
+        }
+        if let Some(step) = self.energy.next(&now.asleep, &mut self.reach) {
+            next = self.min(next, step.at.later(-computer.shutdown_time));
+        }
+        let cut = self.end().later(-computer.shutdown_time - computer.min_sleep);
+        if self.reach.lt(now.down.at, cut) {
+            next = self.min(next, cut);
+        }
+        next
+    }
+
+    /// The first instant at which it is not over the maximum: a straight line,
+    /// or, where the capacity cuts something off, a concave one.
+    fn between(&mut self, now: Try, then: Try) -> Var {
+        let span = then.down.at.at - now.down.at.at;
+        if then.asleep.cuts == now.down.cuts && now.asleep.cuts == now.down.cuts {
+            let slope = (then.over.at - now.over.at) / span;
+            return now.down.at.plus(now.over.divided_up(-slope));
+        }
+        let (mut over, mut under) = (0, span);
+        while under - over > 1 {
+            let middle = over + (under - over) / 2;
+            let at = now.down.at.later(middle);
+            let cursor = self.think(now.down, at, self.problem.computer.awake);
+            if self.attempt(cursor).over.at <= 0 { under = middle } else { over = middle }
+        }
+        Var::between(now.down.at.at + under, now.down.at.later(1), then.down.at)
+    }
+}

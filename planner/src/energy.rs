@@ -1,0 +1,165 @@
+//! The battery's charge, in exact integers: a milliwatt for a millisecond is a
+//! microjoule.
+//!
+//! Between two changes of what is drawn the charge is a straight line, cut off
+//! at the capacity; what comes in beyond is lost.
+
+use crate::derive::var::{Reach, Var};
+use crate::derive::{Frame, OwnStep};
+use crate::problem::{Draw, Problem};
+
+/// An instant, the charge then, and what is drawn from then on beside the
+/// computer.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cursor {
+    pub(crate) at: Var,
+    pub(crate) charge: Var,
+    drawn: Draw,
+    /// How many changes are behind, of those that are placed and of the
+    /// candidate's.
+    placed: usize,
+    own: usize,
+    /// How often the capacity cut something off.
+    pub(crate) cuts: u32,
+}
+
+/// A time in which nothing changes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Segment {
+    pub(crate) from: Var,
+    pub(crate) to: Var,
+    pub(crate) first: Var,
+    pub(crate) last: Var,
+    /// What comes in, less what is drawn.
+    pub(crate) net: i64,
+    pub(crate) peak: i64,
+}
+
+/// Who looks at the segments, in order.
+pub(crate) trait Watch {
+    /// The next one. It is never empty at present.
+    fn segment(&mut self, segment: &Segment, reach: &mut Reach);
+
+    /// Whether nothing that follows matters.
+    fn is_done(&self, _reach: &Reach) -> bool {
+        false
+    }
+}
+
+/// Nobody.
+pub(crate) struct Unwatched;
+
+impl Watch for Unwatched {
+    fn segment(&mut self, _: &Segment, _: &mut Reach) {}
+}
+
+/// Charge over time, for what is placed and a candidate's own.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Energy<'a> {
+    pub(crate) problem: &'a Problem,
+    pub(crate) frame: Frame<'a>,
+}
+
+impl Energy<'_> {
+    /// At the present instant, everything that begins now begun.
+    pub(crate) fn start(&self, reach: &mut Reach) -> Cursor {
+        let cursor = Cursor {
+            at: Var::fixed(self.problem.now),
+            charge: Var::fixed(self.problem.battery.charge),
+            drawn: Draw::default(),
+            placed: 0,
+            own: 0,
+            cuts: 0,
+        };
+        self.walk(cursor, cursor.at, Draw::default(), reach, &mut Unwatched)
+    }
+
+    /// Up to an instant, with this drawn by the computer.
+    pub(crate) fn walk(
+        &self,
+        mut cursor: Cursor,
+        to: Var,
+        computer: Draw,
+        reach: &mut Reach,
+        watch: &mut impl Watch,
+    ) -> Cursor {
+        while let Some(step) = self.next(&cursor, reach)
+            && reach.le(step.at, to)
+        {
+            self.pass(&mut cursor, step.at, computer, reach, watch);
+            if watch.is_done(reach) {
+                return cursor;
+            }
+            cursor.take(step);
+        }
+        self.pass(&mut cursor, to, computer, reach, watch);
+        cursor
+    }
+
+    /// The next change of what is drawn.
+    pub(crate) fn next(&self, cursor: &Cursor, reach: &mut Reach) -> Option<Change> {
+        let placed = self.frame.placed.steps.get(cursor.placed);
+        let own = self.frame.own.steps.get(cursor.own);
+        let placed = placed.map(|step| Change {
+            at: Var::fixed(step.at),
+            draw: Draw { marginal: step.marginal, peak: step.peak },
+            own: false,
+        });
+        let own = own.map(|&OwnStep { at, draw }| Change { at, draw, own: true });
+        match (placed, own) {
+            (Some(placed), Some(own)) => {
+                Some(if reach.le(placed.at, own.at) { placed } else { own })
+            }
+            (placed, own) => placed.or(own),
+        }
+    }
+
+    /// What comes in with this drawn by the computer.
+    pub(crate) fn net(&self, cursor: &Cursor, computer: Draw) -> i64 {
+        self.problem.battery.idle - cursor.drawn.marginal - computer.marginal
+    }
+
+    fn pass(
+        &self,
+        cursor: &mut Cursor,
+        to: Var,
+        computer: Draw,
+        reach: &mut Reach,
+        watch: &mut impl Watch,
+    ) {
+        let net = self.net(cursor, computer);
+        let mut charge = cursor.charge.plus(to.minus(cursor.at).times(net));
+        let capacity = Var::fixed(self.problem.battery.capacity);
+        if net > 0 && !reach.le(charge, capacity) {
+            charge = capacity;
+            cursor.cuts += 1;
+        }
+        if cursor.at.at < to.at {
+            let peak = cursor.drawn.peak + computer.peak;
+            let (from, first) = (cursor.at, cursor.charge);
+            watch.segment(&Segment { from, to, first, last: charge, net, peak }, reach);
+        }
+        cursor.at = to;
+        cursor.charge = charge;
+    }
+}
+
+/// A change of what is drawn.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Change {
+    pub(crate) at: Var,
+    draw: Draw,
+    own: bool,
+}
+
+impl Cursor {
+    const fn take(&mut self, step: Change) {
+        self.drawn.marginal += step.draw.marginal;
+        self.drawn.peak += step.draw.peak;
+        if step.own {
+            self.own += 1;
+        } else {
+            self.placed += 1;
+        }
+    }
+}

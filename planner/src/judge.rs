@@ -1,0 +1,82 @@
+//! Whether a candidate can start at an instant, and if not, until when not.
+
+mod look;
+
+use crate::derive::{Candidate, Frame, Late, NONE, Own, Placed, Placement, Sweep, World};
+use crate::derive::var::Reach;
+use crate::problem::Problem;
+
+pub(crate) use look::{Broken, Kind};
+use look::Look;
+
+/// What a candidate is compared with: everything else.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rest<'a> {
+    pub(crate) problem: &'a Problem,
+    pub(crate) placed: &'a Placed,
+    pub(crate) world: &'a World,
+}
+
+/// What is so of a candidate at a time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    /// It keeps every limit, and does so if it is shifted by this much.
+    Fits(i64),
+    /// It does not, and does not if it is shifted by this much.
+    Breaks(i64),
+}
+
+impl Rest<'_> {
+    /// Judges by the limits that depend on what is derived: lead, manual
+    /// blocks, peak, charge.
+    ///
+    /// # Timing
+    ///
+    /// In proportion to everything that is placed.
+    pub(crate) fn judge(&self, candidate: Candidate, optional: bool, keep: bool) -> Verdict {
+        let mut reach = Reach::ALL;
+        let Ok(own) = Own::of(self.problem, self.placed, candidate, &mut reach) else {
+            return Verdict::Breaks(reach.get());
+        };
+        if own.late.iter().any(|&late| !self.world.has(late)) {
+            return Verdict::Breaks(reach.get());
+        }
+        let frame = Frame { placed: self.placed, own: &own };
+        let mut look = Look::new(self.problem, self.world, optional, keep);
+        let mut sweep = Sweep::new(self.problem, frame, reach, &mut look);
+        sweep.run();
+        let (reach, late) = (sweep.reach, sweep.late);
+        if late.iter().any(|&late| !self.world.has(late)) {
+            look.breaks(i64::MAX, &reach);
+        }
+        match look.broken_for() {
+            Some(shift) => Verdict::Breaks(shift),
+            None => Verdict::Fits(reach.get()),
+        }
+    }
+
+    /// Everything that it breaks at that time, of what depends on what is
+    /// derived.
+    pub(crate) fn breaks(&self, slot: Placement, optional: bool) -> Vec<Broken> {
+        let mut placed = self.placed.clone();
+        placed.insert(self.problem, slot);
+        let mut look = Look::new(self.problem, self.world, optional, false).listing();
+        let frame = Frame { placed: &placed, own: &NONE };
+        let mut sweep = Sweep::new(self.problem, frame, Reach::ALL, &mut look);
+        sweep.run();
+        let mut broken = look.list;
+        let with = World::of(self.problem, &placed);
+        let new = |late: &&Late| !self.world.has(**late);
+        if let Some(late) = with.late.iter().find(new) {
+            broken.push(Broken { kind: Kind::Lead, at: late.at.at, amount: late.by });
+        }
+        for block in &self.problem.blocks {
+            if slot.start < block.to && block.from < slot.end {
+                let at = slot.start.max(block.from);
+                let amount = slot.end.min(block.to) - at;
+                broken.push(Broken { kind: Kind::Computer, at, amount });
+            }
+        }
+        broken
+    }
+}

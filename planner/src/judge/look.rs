@@ -1,0 +1,144 @@
+//! Looks at a candidate's world, segment by segment, for what it breaks that
+//! the world without it does not, or not so much.
+
+mod soft;
+
+use crate::derive::World;
+use crate::derive::var::{Reach, Var};
+use crate::energy::{Segment, Watch};
+use crate::problem::Problem;
+
+/// A limit that depends on what is derived.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Kind {
+    Soft,
+    Handover,
+    Peak,
+    Computer,
+    Lead,
+}
+
+/// A limit is broken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Broken {
+    pub(crate) kind: Kind,
+    /// When first.
+    pub(crate) at: i64,
+    /// By how much then.
+    pub(crate) amount: i64,
+}
+
+/// Looks for broken limits.
+pub(crate) struct Look<'a> {
+    problem: &'a Problem,
+    world: &'a World,
+    handover: Option<i64>,
+    /// Whether to find out how long nothing is broken, too.
+    keep: bool,
+    /// By how much it can be shifted so that something is broken.
+    broken_for: Option<i64>,
+    /// Whether everything is to be found.
+    lists: bool,
+    pub(crate) list: Vec<Broken>,
+}
+
+impl<'a> Look<'a> {
+    pub(crate) fn new(problem: &'a Problem, world: &'a World, optional: bool, keep: bool) -> Self {
+        let handover = if optional { problem.handover } else { None };
+        let list = Vec::new();
+        Self { problem, world, handover, keep, broken_for: None, lists: false, list }
+    }
+
+    /// Finds everything that is broken.
+    pub(crate) fn listing(self) -> Self {
+        Self { lists: true, ..self }
+    }
+
+    pub(crate) const fn broken_for(&self) -> Option<i64> {
+        self.broken_for
+    }
+
+    /// Something is broken, until it is shifted further than this, if all is as
+    /// it was up to here.
+    pub(crate) fn breaks(&mut self, shift: i64, reach: &Reach) {
+        let shift = shift.min(reach.get());
+        self.broken_for = self.broken_for.max(Some(shift));
+    }
+
+    fn lists(&mut self, kind: Kind, at: i64, amount: i64) {
+        if self.lists && !self.list.iter().any(|broken| broken.kind == kind) {
+            self.list.push(Broken { kind, at, amount });
+        }
+    }
+
+    fn peak(&mut self, segment: &Segment, reach: &mut Reach) {
+        let limit = self.problem.peak_limit;
+        if segment.peak <= limit {
+            return;
+        }
+        let mut here = Reach::ALL;
+        let _ = here.lt(segment.from, segment.to);
+        if self.world.peak <= limit {
+            self.lists(Kind::Peak, segment.from.at, segment.peak - limit);
+            return self.breaks(here.get(), reach);
+        }
+        let first = self.world.at(segment.from.at);
+        let last = self.world.at(segment.to.at - 1);
+        let worse = |&piece: &usize| self.world.pieces[piece].peak < segment.peak;
+        if let Some(piece) = (first..=last).find(worse) {
+            let (from, to) = (self.world.pieces[piece].from, self.world.until(piece));
+            let _ = here.lt(segment.from, Var::fixed(to));
+            let _ = here.lt(Var::fixed(from), segment.to);
+            self.lists(Kind::Peak, segment.from.at.max(from), segment.peak - limit);
+            return self.breaks(here.get(), reach);
+        }
+        self.must_not_move(segment, reach);
+    }
+
+    fn handover(&mut self, segment: &Segment, reach: &mut Reach) {
+        let Some(at) = self.handover else { return };
+        let (from, to) = (segment.from, segment.to);
+        let instant = Var::fixed(at);
+        let begun = reach.le(from, instant);
+        let is_last = to.at == self.problem.end && at == self.problem.end;
+        if !begun || !is_last && reach.le(to, instant) {
+            return;
+        }
+        let mut charge = segment.first.plus(instant.minus(from).times(segment.net));
+        let capacity = Var::fixed(self.problem.battery.capacity);
+        if reach.lt(capacity, charge) {
+            charge = capacity;
+        }
+        let min = self.problem.battery.handover;
+        let bound = min.min(self.world.charge(at));
+        let mut here = Reach::ALL;
+        if !here.is_kept(charge.later(-bound)) {
+            self.lists(Kind::Handover, at, min - charge.at);
+            self.breaks(here.get(), reach);
+        } else if self.keep {
+            reach.limit(here.get());
+        }
+    }
+
+    /// Where it is not worth working out how long a limit is kept.
+    fn must_not_move(&self, segment: &Segment, reach: &mut Reach) {
+        let all = [segment.from, segment.to, segment.first, segment.last];
+        if self.keep && !all.iter().all(|it| it.is_fixed()) {
+            reach.limit(0);
+        }
+    }
+}
+
+impl Watch for Look<'_> {
+    fn segment(&mut self, segment: &Segment, reach: &mut Reach) {
+        self.peak(segment, reach);
+        self.handover(segment, reach);
+        self.soft(segment, reach);
+    }
+
+    /// As soon as nothing that follows could say that it must be shifted
+    /// further.
+    fn is_done(&self, reach: &Reach) -> bool {
+        !self.lists && self.broken_for.is_some_and(|shift| self.keep || shift >= reach.get())
+    }
+}

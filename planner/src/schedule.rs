@@ -1,0 +1,117 @@
+//! The pass in priority order: from activities to a timed plan.
+//!
+//! Each candidate takes the earliest start that its ranges, what it depends on
+//! and every timeline leave, with the heating and the awake time that follow.
+//! Then what was left out is looked at again, since what was placed later may
+//! have brought awake time; then expanding activities are made longer.
+
+mod answer;
+mod begin;
+mod expand;
+mod place;
+
+use crate::derive::{Placed, Placement, World};
+use crate::judge::Rest;
+use crate::problem::Problem;
+use crate::search::Effort;
+use crate::timed::{Excess, Reason, Slot, TimedPlan};
+use crate::timeline::{Claim, Timelines};
+
+/// Plans.
+///
+/// With an incumbent, what it starts within the commit window is left alone,
+/// and nothing else starts in that time but what cleans up.
+///
+/// # Timing
+///
+/// For each candidate, a few derivations of everything that is placed.
+#[must_use]
+pub fn schedule(problem: &Problem, incumbent: Option<&TimedPlan>) -> TimedPlan {
+    schedule_in_order(problem, problem.order(), incumbent).0
+}
+
+/// The same with the candidates in another order, as indices of the plan's
+/// activities; those that are not in it are left out. And how much work it was.
+#[must_use]
+pub fn schedule_in_order(
+    problem: &Problem,
+    order: &[usize],
+    incumbent: Option<&TimedPlan>,
+) -> (TimedPlan, Effort) {
+    let mut pass = Pass::new(problem, incumbent);
+    for &item in order {
+        pass.turn(item);
+    }
+    pass.look_again(order);
+    loop {
+        pass.expand(order);
+        if !pass.look_again(order) {
+            break;
+        }
+    }
+    (pass.answer(), pass.effort)
+}
+
+/// What is decided so far.
+#[derive(Clone, Debug)]
+pub(crate) struct Pass<'a> {
+    pub(crate) problem: &'a Problem,
+    pub(crate) placed: Placed,
+    pub(crate) world: World,
+    pub(crate) timelines: Timelines,
+    /// One for each activity, of the length that it has, or is placed with.
+    claims: Vec<Claim>,
+    /// When each activity runs: those that run already included.
+    pub(crate) slots: Vec<Option<Slot>>,
+    reasons: Vec<Option<Reason>>,
+    /// Which member has used a group up.
+    groups: Vec<Option<usize>>,
+    /// What is not to be moved.
+    committed: Vec<bool>,
+    /// When a candidate can start that does not clean up.
+    from: i64,
+    excess: Vec<Excess>,
+    unavoidable: Vec<Excess>,
+    /// Counts placements, and what it was when a candidate failed last: nothing
+    /// has changed since where they are equal.
+    version: u64,
+    failed: Vec<u64>,
+    pub(crate) effort: Effort,
+}
+
+impl Pass<'_> {
+    pub(crate) const fn rest(&self) -> Rest<'_> {
+        Rest { problem: self.problem, placed: &self.placed, world: &self.world }
+    }
+
+    /// Tries those that were left out again, until none gets in. Whether one
+    /// did.
+    fn look_again(&mut self, order: &[usize]) -> bool {
+        let begin = self.version;
+        loop {
+            let before = self.version;
+            for &item in order {
+                if self.slots[item].is_none() && self.failed[item] != self.version {
+                    self.turn(item);
+                }
+            }
+            if self.version == before {
+                return before != begin;
+            }
+        }
+    }
+
+    /// Places something for good.
+    fn put(&mut self, item: usize, slot: Slot) {
+        let (start, end) = (slot.start.get(), slot.end.get());
+        self.placed.insert(self.problem, Placement { item, start, end });
+        self.timelines.insert(&self.claims[item], slot.start);
+        self.slots[item] = Some(slot);
+        self.reasons[item] = None;
+        if let Some(group) = self.problem.items[item].group {
+            self.groups[group].get_or_insert(item);
+        }
+        self.world = World::of(self.problem, &self.placed);
+        self.version += 1;
+    }
+}

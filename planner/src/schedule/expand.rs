@@ -1,0 +1,84 @@
+//! Expanding activities are made longer, each as far as everything stays valid.
+
+use crate::derive::{Placement, World};
+use crate::timed::Slot;
+use crate::timeline::Claim;
+use crate::units::{Span, Time};
+
+use super::Pass;
+use super::begin::claim;
+
+impl Pass<'_> {
+    /// In order; nothing else is moved or removed.
+    pub(super) fn expand(&mut self, order: &[usize]) {
+        for &item in order {
+            if self.problem.items[item].expanding
+                && !self.committed[item]
+                && let Some(slot) = self.slots[item]
+            {
+                self.lengthen(item, slot);
+            }
+        }
+    }
+
+    fn lengthen(&mut self, item: usize, slot: Slot) {
+        let (start, end) = (slot.start.get(), slot.end.get());
+        let last = self.last(item, slot);
+        if last <= end {
+            return;
+        }
+        self.placed.remove(self.problem, Placement { item, start, end });
+        self.timelines.remove(&self.claims[item], slot.start);
+        self.world = World::of(self.problem, &self.placed);
+        let last = self.last_on_timelines(item, slot, last);
+        let mut effort = self.effort;
+        let last = self.rest().latest_end(item, start, (end, last), &mut effort);
+        self.effort = effort;
+        self.claims[item] = claim(self.problem, item, Span::new(last - start));
+        let version = self.version;
+        self.put(item, Slot { end: Time::new(last), ..slot });
+        if last == end {
+            self.version = version;
+        }
+    }
+
+    /// What its own limits leave: its longest duration, its cutoff, and what
+    /// waits for its end.
+    fn last(&self, item: usize, slot: Slot) -> i64 {
+        let it = &self.problem.items[item];
+        let longest = slot.start.get() + it.longest;
+        let cutoff = it.ranges.get(slot.range).map_or(longest, |range| range.last);
+        let waits = |other: usize| self.problem.items[other].after.iter().any(|on| on.0 == item);
+        let starts = (0..self.slots.len()).filter(|&other| waits(other));
+        let starts = starts.filter_map(|other| self.slots[other].map(|slot| slot.start.get()));
+        starts.chain([longest, cutoff]).min().unwrap_or(longest)
+    }
+
+    /// What bits, engines, data and named timelines leave.
+    fn last_on_timelines(&self, item: usize, slot: Slot, last: i64) -> i64 {
+        let fits = |end: i64| {
+            let claim = claim(self.problem, item, Span::new(end - slot.start.get()));
+            let within = (slot.start, slot.start);
+            !self.timelines.valid_starts(&claim, within).is_empty()
+        };
+        let last = self.downlink(&self.claims[item], slot.end.get(), last);
+        let (mut good, mut bad) = (slot.end.get(), last + 1);
+        while bad - good > 1 {
+            let middle = good + (bad - good) / 2;
+            if fits(middle) { good = middle } else { bad = middle }
+        }
+        good
+    }
+
+    /// Its end frees data: not so late that there would be too much.
+    fn downlink(&self, claim: &Claim, end: i64, last: i64) -> i64 {
+        if claim.data >= 0 {
+            return last;
+        }
+        let max = self.problem.plan.max_delta_data.get();
+        let mut volumes = self.timelines.volumes(Time::new(end));
+        let full = volumes.find(|(_, total)| *total > max);
+        full.map_or(last, |(at, _)| last.min(at.get().max(end)))
+    }
+}
+

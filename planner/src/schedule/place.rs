@@ -1,0 +1,171 @@
+//! One candidate's turn.
+
+use crate::judge::{Broken, Kind};
+use crate::derive::Placement;
+use crate::plan::{ActivityId, Dependency, Outcome};
+use crate::problem::{Known, Range};
+use crate::timed::{Excess, Limit, Reason, Slot};
+use crate::timeline::Intervals;
+use crate::units::Time;
+
+use super::Pass;
+
+impl Pass<'_> {
+    /// Places it, or notes why not, as found the first time.
+    pub(crate) fn turn(&mut self, item: usize) {
+        if self.slots[item].is_some() || !self.problem.items[item].is_candidate() {
+            return;
+        }
+        self.effort.candidates += 1;
+        match self.find(item) {
+            Ok(slot) => self.place(item, slot),
+            Err(reason) => {
+                self.reasons[item].get_or_insert(reason);
+                self.failed[item] = self.version;
+            }
+        }
+    }
+
+    /// When it can start first.
+    fn find(&mut self, item: usize) -> Result<Slot, Reason> {
+        let earliest = self.after(item)?;
+        self.group(item)?;
+        let left = self.left(item, earliest);
+        if left.is_empty() {
+            let later = self.ranges(item, earliest.max(self.problem.now));
+            return Err(if later.is_empty() { Reason::NoRangeLeft } else { Reason::Committed });
+        }
+        let fit = left.iter().map(|within| self.timelines.valid_starts(&self.claims[item], within));
+        let fit = fit.fold(Intervals::none(), |all, some| all.union(&some));
+        let optional = !self.problem.items[item].mandatory;
+        let mut effort = self.effort;
+        let start = self.rest().earliest(item, &fit, optional, &mut effort);
+        self.effort = effort;
+        match start {
+            Some(start) => Ok(self.slot(item, start)),
+            None => Err(self.in_the_way(item, left.first().map_or(earliest, Time::get))),
+        }
+    }
+
+    /// The first range that admits it.
+    fn slot(&self, item: usize, start: i64) -> Slot {
+        let it = &self.problem.items[item];
+        let admits = |range: &Range| range.from <= start && start <= range.to;
+        let range = it.ranges.iter().position(admits).unwrap_or(0);
+        Slot { start: Time::new(start), end: Time::new(start + it.shortest), range }
+    }
+
+    /// From when on its dependencies are satisfied.
+    fn after(&self, item: usize) -> Result<i64, Reason> {
+        let after = || self.problem.items[item].after.iter();
+        for (prior, on) in after() {
+            if let Known::Ended { outcome, .. } = self.problem.items[*prior].fate
+                && !satisfies(on, outcome)
+            {
+                return Err(Reason::PriorEnded(on.prior, outcome));
+            }
+        }
+        let is_out = |prior: usize| {
+            self.slots[prior].is_none()
+                && !matches!(self.problem.items[prior].fate, Known::Ended { .. })
+        };
+        if let Some((_, on)) = after().find(|(prior, _)| is_out(*prior)) {
+            return Err(Reason::PriorOut(on.prior));
+        }
+        let planned = || after().filter_map(|(prior, on)| Some((self.slots[*prior]?, on)));
+        if let Some((_, on)) = planned().find(|(_, on)| !satisfies(on, Outcome::Succeeded)) {
+            return Err(Reason::WaitsForOutcome(on.prior));
+        }
+        Ok(planned().map(|(slot, _)| slot.end.get()).max().unwrap_or(i64::MIN))
+    }
+
+    fn group(&self, item: usize) -> Result<(), Reason> {
+        let group = self.problem.items[item].group;
+        match group.and_then(|group| self.groups[group]) {
+            Some(taken) => Err(Reason::GroupTaken(self.id(taken))),
+            None => Ok(()),
+        }
+    }
+
+    pub(super) fn id(&self, item: usize) -> ActivityId {
+        self.problem.plan.activities[item].id
+    }
+
+    /// Starts that its ranges, what it depends on and the commit window leave.
+    fn left(&self, item: usize, earliest: i64) -> Intervals {
+        let is_cleanup = self.problem.items[item].cleanup;
+        let from = if is_cleanup { self.problem.now } else { self.from };
+        self.ranges(item, earliest.max(from))
+    }
+
+    fn ranges(&self, item: usize, from: i64) -> Intervals {
+        let ranges = self.problem.items[item].ranges.iter();
+        Intervals::of(ranges.map(|range| (Time::new(range.from.max(from)), Time::new(range.to))))
+    }
+
+    /// The first limit that blocks a start.
+    fn in_the_way(&self, item: usize, start: i64) -> Reason {
+        let it = &self.problem.items[item];
+        let slot = Placement { item, start, end: start + it.shortest };
+        let mut all: Vec<Reason> =
+            self.rest().breaks(slot, !it.mandatory).into_iter().map(broken).collect();
+        if let Some(conflict) = self.timelines.conflict(&self.claims[item], Time::new(start)) {
+            all.push(Reason::Limit {
+                limit: conflict.limit,
+                at: conflict.at,
+                amount: conflict.amount,
+                with: conflict.with,
+            });
+        }
+        let rank = |reason: &Reason| match reason {
+            Reason::Limit { limit, with, .. } => (limit.clone(), with.is_none()),
+            _ => (Limit::Dependency, true),
+        };
+        all.into_iter().min_by_key(rank).unwrap_or(Reason::NoRangeLeft)
+    }
+
+    /// Places it, and notes what it exceeds because it may.
+    fn place(&mut self, item: usize, slot: Slot) {
+        let mandatory = self.problem.items[item].mandatory;
+        let handover = self.problem.handover.filter(|_| mandatory);
+        let before = handover.map(|at| self.world.charge(at));
+        let data = self.too_much_data(item, slot.start).filter(|_| mandatory);
+        self.put(item, slot);
+        let by = Some(self.id(item));
+        if let (Some(at), Some(before)) = (handover, before) {
+            let (charge, min) = (self.world.charge(at), self.problem.battery.handover);
+            if charge < min && charge < before {
+                let at = Time::new(at);
+                self.excess.push(Excess { by, limit: Limit::Handover, at, amount: min - charge });
+            }
+        }
+        if let Some(at) = data {
+            let total = self.timelines.volumes(at).next().map_or(0, |(_, total)| total);
+            let amount = total - self.problem.plan.max_delta_data.get();
+            self.excess.push(Excess { by, limit: Limit::Data, at, amount });
+        }
+    }
+
+    /// When its data exceed the limit first.
+    fn too_much_data(&self, item: usize, start: Time) -> Option<Time> {
+        let mut claim = self.claims[item].clone();
+        claim.limited = claim.data > 0;
+        let conflict = self.timelines.conflict(&claim, start)?;
+        (conflict.limit == Limit::Data).then_some(conflict.at)
+    }
+}
+
+fn satisfies(on: &Dependency, outcome: Outcome) -> bool {
+    on.statuses.iter().any(|status| status.includes(outcome))
+}
+
+fn broken(broken: Broken) -> Reason {
+    let limit = match broken.kind {
+        Kind::Soft => Limit::SoftMinimum,
+        Kind::Handover => Limit::Handover,
+        Kind::Peak => Limit::Peak,
+        Kind::Computer => Limit::Computer,
+        Kind::Lead => Limit::Lead,
+    };
+    Reason::Limit { limit, at: Time::new(broken.at), amount: broken.amount, with: None }
+}

@@ -1,0 +1,67 @@
+//! The earliest start of a candidate that keeps every limit.
+//!
+//! Exact: the millisecond before it breaks one. Starts between two that are
+//! tried are known to break what the first of the two breaks.
+
+use crate::derive::Candidate;
+use crate::derive::var::Var;
+use crate::judge::{Rest, Verdict};
+use crate::timeline::Intervals;
+
+/// How much work it was.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Effort {
+    /// Candidates that were tried.
+    pub candidates: u64,
+    /// Starts that were tried, each a derived world.
+    pub starts: u64,
+}
+
+impl Rest<'_> {
+    /// The earliest of these starts that keeps the limits that depend on what
+    /// is derived; the others are kept at all of them.
+    pub(crate) fn earliest(
+        &self,
+        item: usize,
+        starts: &Intervals,
+        optional: bool,
+        effort: &mut Effort,
+    ) -> Option<i64> {
+        let length = self.problem.items[item].shortest;
+        for (first, last) in starts.iter() {
+            let mut start = first.get();
+            while start <= last.get() {
+                let end = Var::shifting(start + length);
+                let candidate = Candidate { item, start: Var::shifting(start), end };
+                effort.starts += 1;
+                match self.judge(candidate, optional, false) {
+                    Verdict::Fits(_) => return Some(start),
+                    Verdict::Breaks(shift) => start = start.saturating_add(shift).saturating_add(1),
+                }
+            }
+        }
+        None
+    }
+
+    /// The latest end of something that begins then, up to which it can be
+    /// made longer millisecond by millisecond with every limit kept.
+    pub(crate) fn latest_end(
+        &self,
+        item: usize,
+        start: i64,
+        (end, last): (i64, i64),
+        effort: &mut Effort,
+    ) -> i64 {
+        let (mut good, mut next) = (end, end);
+        while next <= last {
+            let (start, end) = (Var::fixed(start), Var::shifting(next));
+            effort.starts += 1;
+            match self.judge(Candidate { item, start, end }, true, true) {
+                Verdict::Breaks(_) => break,
+                Verdict::Fits(shift) => good = next.saturating_add(shift).min(last),
+            }
+            next = good + 1;
+        }
+        good
+    }
+}
