@@ -24,6 +24,7 @@
 //! `docs/plan-format.md` is the reference.
 
 pub mod binary;
+mod check;
 mod fields;
 mod names;
 mod read;
@@ -140,6 +141,24 @@ pub fn state(
     })
 }
 
+/// What is wrong with a plan together with the parameters and the state that it
+/// is to be made with: told at the state, whose file this is.
+#[must_use]
+pub fn together(
+    plan: &Plan,
+    parameters: &Parameters,
+    state: &State,
+    (name, bytes): (&str, &[u8]),
+) -> Vec<Diagnostic> {
+    let text = if binary::is_binary(bytes) { b"" } else { bytes };
+    let Ok(source) = Source::new(name, text) else { return Vec::new() };
+    let mut report = Report::new(&source);
+    // What is wrong with the file itself was told when it was read.
+    let root = xml::parse(source.text(), &mut Report::new(&source)).unwrap_or_default();
+    check::together(plan, parameters, state, &root, &mut report);
+    report.found
+}
+
 /// The document as XML: with names and times of day where there are
 /// parameters, with bits and seconds where there are none. It is read again as
 /// the same, with the same parameters.
@@ -210,7 +229,7 @@ fn read_binary(
     let source = Source::new(name, b"")?;
     let mut report = Report::new(&source);
     let again = from_element(&write::element(&document, names), names, &mut report);
-    if report.found.is_empty() && again.as_ref() != Some(&document) {
+    if !report.found.iter().any(Diagnostic::is_error) && again.as_ref() != Some(&document) {
         let wrong = Wrong::new(Rule::Damaged, "the file has what no XML file can say");
         report.error(0..0, "", wrong.expected(ROOTS));
     }
@@ -223,9 +242,22 @@ fn from_element(
     report: &mut Report<'_>,
 ) -> Option<Document> {
     let document = match &*root.name {
-        "plan" => read::plan(root, names, report).map(|read| Document::Plan(read.value)),
-        "parameters" => read::parameters(root, report).map(|read| Document::Parameters(read.value)),
-        "state" => read::state(root, names, report).map(|read| Document::State(read.value)),
+        "plan" => read::plan(root, names, report).map(|read| {
+            check::plan(&read, names, report);
+            Document::Plan(read.value)
+        }),
+        "parameters" => read::parameters(root, report).map(|read| {
+            if read.good {
+                check::parameters(&read, report);
+            }
+            Document::Parameters(read.value)
+        }),
+        "state" => read::state(root, names, report).map(|read| {
+            if read.good {
+                check::state(&read, report);
+            }
+            Document::State(read.value)
+        }),
         other => {
             let wrong =
                 Wrong::new(Rule::Format, format!("nobody knows a file of {}", shown(other)));

@@ -114,8 +114,9 @@ impl<'e, 'r, 's, 'p> Fields<'e, 'r, 's, 'p> {
 
     /// Which of these is there; tells where it is not exactly one.
     pub(crate) fn one_of(&mut self, names: &[&'static str]) -> Option<&'static str> {
-        let mut there = names.iter().copied().filter(|name| self.has(name));
-        match (there.next(), there.next()) {
+        let mut there: Vec<_> = names.iter().copied().filter(|name| self.has(name)).collect();
+        there.sort_by_key(|name| self.element.span(name).start);
+        match (there.first().copied(), there.get(1).copied()) {
             (Some(only), None) => Some(only),
             (None, _) => {
                 let message = format!("<{}> says nothing", self.element.name);

@@ -9,7 +9,7 @@ use faregate_scheduler::format::Rule;
 use faregate_scheduler::format::reading::{Wrong, shown};
 
 pub(super) use parameters::parameters;
-pub(super) use plan::plan;
+pub(super) use plan::{Places as PlanPlaces, plan};
 pub(super) use state::state;
 
 use crate::file::VERSION;
@@ -25,6 +25,8 @@ pub(super) struct Placed<'e, T, P> {
     pub(super) value: T,
     pub(super) places: P,
     pub(super) root: &'e super::xml::Element<'e>,
+    /// Whether everything could be read; of a plan: all but the activities.
+    pub(super) good: bool,
 }
 
 /// Refuses a file of another version: what its words mean is not known here.

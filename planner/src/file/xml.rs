@@ -39,6 +39,11 @@ impl Element<'_> {
         self.attributes.iter().find(|one| one.name == name)
     }
 
+    /// The element of this name and number in it; itself where there is none.
+    pub(crate) fn nth(&self, name: &str, number: usize) -> &Self {
+        self.children.iter().filter(|child| child.name == name).nth(number).unwrap_or(self)
+    }
+
     /// Where the value of an attribute stands, or the element where it has none.
     pub(crate) fn span(&self, name: &str) -> Range<usize> {
         self.attribute(name).map_or_else(|| self.at.clone(), |one| one.value_at.clone())

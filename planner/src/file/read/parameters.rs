@@ -25,7 +25,10 @@ pub(in crate::file) fn parameters<'e>(
 ) -> Option<Placed<'e, Parameters, ()>> {
     let names = Names::new(None);
     let mut fields = Fields::new(root, &schema::PARAMETERS, &names, report);
-    version(&mut fields).then(|| Placed { value: read(&mut fields), places: (), root })
+    version(&mut fields).then(|| {
+        let value = read(&mut fields);
+        Placed { value, places: (), root, good: fields.good() }
+    })
 }
 
 fn read(fields: &mut Fields<'_, '_, '_, '_>) -> Parameters {

@@ -20,6 +20,20 @@ pub(in crate::file) struct Places<'e> {
     pub(in crate::file) activities: Vec<&'e Element<'e>>,
     /// Of each whose number could be read.
     pub(in crate::file) known: BTreeMap<ActivityId, &'e Element<'e>>,
+    /// Of all.
+    all: Vec<&'e Element<'e>>,
+}
+
+impl<'e> Places<'e> {
+    /// Whether every activity could be read: nobody misses another one then.
+    pub(in crate::file) fn whole(&self) -> bool {
+        self.activities.len() == self.all.len()
+    }
+
+    /// Of all, those included that could not be read.
+    pub(in crate::file) fn all(&self) -> impl Iterator<Item = &'e Element<'e>> {
+        self.all.iter().copied()
+    }
 }
 
 /// Reads a plan; tells what is wrong with it. `None`: of another version.
@@ -41,8 +55,10 @@ pub(in crate::file) fn plan<'e>(
         next_plan: fields.read("next_plan", value::name),
         activities: Vec::new(),
     };
+    let good = fields.good();
     let mut places = Places::default();
     for element in fields.children(&schema::ACTIVITY) {
+        places.all.push(element);
         let mut fields = fields.within(element, &schema::ACTIVITY);
         let read = activity::activity(&mut fields);
         if let Some(first) = places.known.get(&read.id) {
@@ -59,5 +75,5 @@ pub(in crate::file) fn plan<'e>(
             places.activities.push(element);
         }
     }
-    Some(Placed { value: plan, places, root })
+    Some(Placed { value: plan, places, root, good })
 }

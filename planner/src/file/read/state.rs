@@ -25,7 +25,10 @@ pub(in crate::file) fn state<'e>(
     report: &mut Report<'_>,
 ) -> Option<Placed<'e, State, ()>> {
     let mut fields = Fields::new(root, &schema::STATE, names, report);
-    version(&mut fields).then(|| Placed { value: read(&mut fields), places: (), root })
+    version(&mut fields).then(|| {
+        let value = read(&mut fields);
+        Placed { value, places: (), root, good: fields.good() }
+    })
 }
 
 fn read(fields: &mut Fields<'_, '_, '_, '_>) -> State {
