@@ -2,12 +2,12 @@
 
 mod look;
 
-use crate::derive::{Candidate, Frame, Late, NONE, Own, Placed, Placement, Sweep, World};
 use crate::derive::var::Reach;
+use crate::derive::{Candidate, Frame, Late, NONE, Own, Placed, Placement, Sweep, World};
 use crate::problem::Problem;
 
-pub(crate) use look::{Broken, Kind};
 use look::Look;
+pub(crate) use look::{Broken, Kind};
 
 /// What a candidate is compared with: everything else.
 #[derive(Clone, Copy, Debug)]

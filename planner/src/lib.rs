@@ -27,10 +27,10 @@
 
 #![forbid(unsafe_code)]
 
-pub mod execute;
-pub mod file;
 mod derive;
 mod energy;
+pub mod execute;
+pub mod file;
 mod judge;
 pub mod parameters;
 pub mod picture;

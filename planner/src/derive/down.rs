@@ -1,9 +1,9 @@
 //! When an awake phase may end: only where a sleep of the minimum length does
 //! not pass the maximum state of charge.
 
-use crate::energy::{Cursor, Watch};
 use crate::derive::own::VarNeed;
 use crate::derive::var::Var;
+use crate::energy::{Cursor, Watch};
 
 use super::{Down, Sweep, Wake};
 

@@ -57,11 +57,21 @@ pub(crate) struct ZoneLine {
 impl ZoneLine {
     pub(crate) fn new(zone: &ZoneModel) -> Self {
         let longest = zone.table.iter().map(|row| row.duration.get()).max();
-        Self { uses: Vec::new(), until: Vec::new(), heats: Vec::new(), longest: longest.unwrap_or(0) }
+        Self {
+            uses: Vec::new(),
+            until: Vec::new(),
+            heats: Vec::new(),
+            longest: longest.unwrap_or(0),
+        }
     }
 
     /// What changes: heating that is gone (`false`) or new.
-    pub(crate) fn insert(&mut self, problem: &Problem, zone: &ZoneModel, new: Use) -> Vec<(Heat, bool)> {
+    pub(crate) fn insert(
+        &mut self,
+        problem: &Problem,
+        zone: &ZoneModel,
+        new: Use,
+    ) -> Vec<(Heat, bool)> {
         let over = zone.cold && new.end <= problem.now;
         if over || new.start >= new.end {
             return Vec::new();
@@ -73,7 +83,12 @@ impl ZoneLine {
     }
 
     /// What changes: heating that is gone (`false`) or new.
-    pub(crate) fn remove(&mut self, problem: &Problem, zone: &ZoneModel, old: Use) -> Vec<(Heat, bool)> {
+    pub(crate) fn remove(
+        &mut self,
+        problem: &Problem,
+        zone: &ZoneModel,
+        old: Use,
+    ) -> Vec<(Heat, bool)> {
         let Ok(at) = self.uses.binary_search(&old) else { return Vec::new() };
         self.uses.remove(at);
         let gone = self.heats.remove(at);

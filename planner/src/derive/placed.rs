@@ -64,7 +64,8 @@ impl Placed {
         for (item, it) in problem.items.iter().enumerate() {
             match it.fate {
                 Known::Running { start, end, paused } => {
-                    let draw = Draw { marginal: if paused { 0 } else { it.draw.marginal }, ..it.draw };
+                    let draw =
+                        Draw { marginal: if paused { 0 } else { it.draw.marginal }, ..it.draw };
                     placed.put(problem, Placement { item, start, end }, draw);
                 }
                 Known::Ended { used: Some((start, end)), .. } => {

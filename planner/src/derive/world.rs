@@ -94,7 +94,8 @@ impl World {
 fn late_heats(placed: &Placed) -> Vec<Late> {
     let heats = placed.zones.iter().flat_map(|zone| zone.heats.iter().flatten());
     let late = heats.filter(|heat| heat.late > 0);
-    late.map(|heat| Late { at: Var::fixed(heat.to), who: Who::Item(heat.item), by: heat.late }).collect()
+    late.map(|heat| Late { at: Var::fixed(heat.to), who: Who::Item(heat.item), by: heat.late })
+        .collect()
 }
 
 impl Watch for World {

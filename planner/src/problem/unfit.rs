@@ -44,7 +44,9 @@ impl fmt::Display for Unfit {
             Self::Twice(id) => write!(f, "there are two of {id}: give one another number"),
             Self::NoStart(id) => write!(f, "{id} has no start range: it needs at least one"),
             Self::Duration(id) => write!(f, "{id}: 0 <= minimum <= duration does not hold"),
-            Self::Prior(id, prior) => write!(f, "{id} depends on {prior}, which is not in the plan"),
+            Self::Prior(id, prior) => {
+                write!(f, "{id} depends on {prior}, which is not in the plan")
+            }
             Self::Zone(id, zone) => write!(f, "{id}: the parameters have no zone `{zone}`"),
             Self::Timeline(id, line) => write!(f, "{id}: the parameters have no timeline `{line}`"),
             Self::Block(id) => write!(f, "{id}: shutdown and wakeup are longer than the block"),

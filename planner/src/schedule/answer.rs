@@ -9,7 +9,8 @@ use super::Pass;
 
 impl Pass<'_> {
     pub(super) fn answer(&self) -> TimedPlan {
-        let rows = (0..self.slots.len()).map(|item| Row { id: self.id(item), fate: self.fate(item) });
+        let rows =
+            (0..self.slots.len()).map(|item| Row { id: self.id(item), fate: self.fate(item) });
         TimedPlan {
             rows: rows.collect(),
             awake: awake(&self.world),

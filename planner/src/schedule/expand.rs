@@ -81,4 +81,3 @@ impl Pass<'_> {
         full.map_or(last, |(at, _)| last.min(at.get().max(end)))
     }
 }
-

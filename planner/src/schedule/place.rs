@@ -1,7 +1,7 @@
 //! One candidate's turn.
 
-use crate::judge::{Broken, Kind};
 use crate::derive::Placement;
+use crate::judge::{Broken, Kind};
 use crate::plan::{ActivityId, Dependency, Outcome};
 use crate::problem::{Known, Range};
 use crate::timed::{Excess, Limit, Reason, Slot};

@@ -92,7 +92,9 @@ impl Look<'_> {
             let it = &self.world.pieces[piece];
             let before = if it.from < at.at { piece } else { piece.saturating_sub(1) };
             let cut = self.world.cut(piece);
-            let to = cut.filter(|_| value < self.capacity()).map_or(self.world.until(piece), |cut| cut.0);
+            let to = cut
+                .filter(|_| value < self.capacity())
+                .map_or(self.world.until(piece), |cut| cut.0);
             let from = self.world.pieces[before].from;
             let from = match self.world.cut(before) {
                 Some((_, cut)) if value == self.capacity() => from.max(cut.min(at.at)),

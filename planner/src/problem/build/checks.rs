@@ -127,7 +127,8 @@ fn numbers(plan: &Plan, parameters: &Parameters, state: &State, unfit: &mut Vec<
     check(state.windows.iter().all(|it| it.start <= it.end), "a communication window's end");
     let instants = state.windows.iter().flat_map(|window| [window.start, window.end]);
     let running = state.running.iter().flat_map(|running| [running.started, running.ends]);
-    let ended = state.ended.iter().flat_map(|ended| [ended.started.unwrap_or(ended.ended), ended.ended]);
+    let ended =
+        state.ended.iter().flat_map(|ended| [ended.started.unwrap_or(ended.ended), ended.ended]);
     let all = instants.chain(running).chain(ended).chain(state.heating.values().copied());
     check(all.map(crate::units::Time::get).all(near), "an instant of the state");
     if (1..=FAR).contains(&day) {
@@ -140,7 +141,9 @@ fn in_order(zone: &Zone, day: i64) -> bool {
     let rows = &zone.table;
     rows.first().is_none_or(|row| row.from.get() == 0)
         && rows.windows(2).all(|pair| pair[0].from < pair[1].from)
-        && rows.iter().all(|row| (0..day).contains(&row.from.get()) && (0..=FAR).contains(&row.duration.get()))
+        && rows.iter().all(|row| {
+            (0..day).contains(&row.from.get()) && (0..=FAR).contains(&row.duration.get())
+        })
 }
 
 /// Everything at once, all the time, must be far from overflowing.

@@ -67,8 +67,11 @@ impl Names<'_> {
     fn item(&self, activity: &Activity, parameters: &Parameters, state: &State) -> Item {
         let after = activity.after.iter();
         let after = after.filter_map(|on| Some((*self.index.get(&on.prior)?, on.clone())));
-        let mut zones: Vec<usize> =
-            activity.zones.iter().filter_map(|zone| self.zones.get(zone.as_str()).copied()).collect();
+        let mut zones: Vec<usize> = activity
+            .zones
+            .iter()
+            .filter_map(|zone| self.zones.get(zone.as_str()).copied())
+            .collect();
         zones.sort_unstable();
         zones.dedup();
         if activity.placed().get() == 0 {
