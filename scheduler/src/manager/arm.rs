@@ -8,9 +8,8 @@ use crate::manager::step::Step;
 use crate::manager::{Action, Record};
 
 impl Step<'_> {
-    /// Arms who is due next, by each clock, and disarms who was due and waits.
+    /// Arms who is due next, by each clock.
     pub(crate) fn arm(&mut self) {
-        self.disarm_the_late();
         let mut wrote = false;
         for (side, clock) in [Clock::Elapsed, Clock::Wall].into_iter().enumerate() {
             let Some(at) = self.manager.classes.next_due(clock) else { continue };
@@ -45,7 +44,7 @@ impl Step<'_> {
 
     /// Who was due and is not about to start: it will start by another cause,
     /// and be synced then.
-    fn disarm_the_late(&mut self) {
+    pub(crate) fn disarm_the_late(&mut self) {
         for index in self.manager.armed.clone() {
             let Some(entry) = self.entry(index) else { continue };
             let waits = match entry.place {

@@ -61,24 +61,28 @@ impl Step<'_> {
         }
     }
 
-    /// Asks for the tickets of who was chosen, most important first.
-    pub(crate) fn ask(&mut self) {
+    /// Asks for the tickets of who was chosen, most important first. Answers
+    /// whether anybody has nobody to wait for, and will start at once.
+    pub(crate) fn ask(&mut self) -> bool {
         let wanted = self.chosen(|entry| {
             entry.run.asked == Asked::No && matches!(entry.run.stage, Stage::Idle | Stage::Paused)
         });
         if wanted.is_empty() {
-            return;
+            return false;
         }
         let mut there = self.present_ledger();
+        let mut about_to_start = false;
         for (rank, index) in wanted {
             if self.make_room(rank) {
-                self.request(index, &mut there);
+                about_to_start |= self.request(index, &mut there);
             }
         }
+        about_to_start
     }
 
-    fn request(&mut self, index: u32, there: &mut Ledger) {
-        let Some(entry) = self.entry(index) else { return };
+    /// Answers whether what it needs is free.
+    fn request(&mut self, index: u32, there: &mut Ledger) -> bool {
+        let Some(entry) = self.entry(index) else { return false };
         let occurrence = entry.occurrence();
         let demand = self.manager.classes.demand(entry.class);
         let part = if entry.keeps_memory() { Part::Running } else { Part::All };
@@ -92,6 +96,7 @@ impl Step<'_> {
             entry.run.asked = Asked::Waiting;
         }
         self.act(Action::Request { occurrence, victims });
+        is_free
     }
 
     /// Those that were not chosen, still use something, and share it with the

@@ -54,6 +54,29 @@ fn a_timed_start_was_armed_and_pays_no_sync() {
     assert_eq!(told, ["accepted", "sync", "answer", "armed", "sync", "starting", "START"]);
 }
 
+/// To arm whoever comes next takes a sync, for which a start would be late.
+#[test]
+fn a_timed_start_comes_before_the_next_one_is_armed() {
+    let other = Occurrence { task: id(2), load: 0, number: 0 };
+    let told = acts(
+        vec![task(1, 1.0).at(1.0), task(2, 1.0).at(1.5), task(3, 1.0).at(2.0)],
+        &[
+            (1.0, vec![]),
+            (1.0, vec![granted()]),
+            (1.5, vec![]),
+            (1.5, vec![Event::Blocked { occurrence: other, why: "a device".into() }]),
+        ],
+    );
+    let loaded = ["accepted", "accepted", "accepted", "sync", "answer", "armed", "sync"];
+    assert_eq!(told[..7], loaded);
+    assert_eq!(told[7..11], ["starting", "START", "armed", "sync"], "after the first has started");
+    assert_eq!(
+        told[11..],
+        ["disarmed", "armed", "sync"],
+        "nor does the third wait for the second for ever"
+    );
+}
+
 #[test]
 fn a_start_that_nothing_was_prepared_for_is_synced() {
     // Due at once; due too soon to be armed; armed, and late for want of its category.
@@ -75,11 +98,11 @@ fn a_start_that_nothing_was_prepared_for_is_synced() {
     assert_eq!(
         told[4..],
         [
-            "armed",
-            "sync",
             "starting",
             "sync",
             "START",
+            "armed",
+            "sync",
             "disarmed",
             "over Some(Succeeded)",
             "ended Succeeded",
