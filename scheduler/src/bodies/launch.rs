@@ -4,7 +4,7 @@ use std::env;
 use std::ffi::{CString, OsString};
 use std::fs::{self, File};
 use std::io;
-use std::os::fd::{AsFd, OwnedFd};
+use std::os::fd::{AsFd, AsRawFd, OwnedFd};
 use std::os::unix::ffi::OsStringExt;
 use std::path::{Path, PathBuf};
 
@@ -242,6 +242,11 @@ fn pipe() -> io::Result<(OwnedFd, OwnedFd)> {
     Ok((read, above(write)?))
 }
 
+/// Only a program that was started without its standard descriptors has to
+/// move any: a start that is due does not wait for what is right already.
 fn above(descriptor: OwnedFd) -> io::Result<OwnedFd> {
+    if descriptor.as_raw_fd() > PORT {
+        return Ok(descriptor);
+    }
     Ok(fcntl_dupfd_cloexec(descriptor, PORT + 1)?)
 }
