@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs every bench, the latency example and a short soak (at most 8 minutes once
+# Runs every bench, the latency example and a short soak (at most 10 minutes once
 # built), sums them up in target/bench/summary.json, and prints the table. The
 # figures inform: a target that is missed fails nothing, a bench that breaks does.
 # Usage: ci/bench.sh [--write] [--quick]

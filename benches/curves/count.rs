@@ -47,8 +47,13 @@ impl Case {
     }
 
     /// The same, counted once: a step takes microseconds, and it takes many.
-    pub(crate) fn once(mut self) -> Self {
-        self.times = 1;
+    pub(crate) fn once(self) -> Self {
+        self.times(1)
+    }
+
+    /// The same, counted so often, where it is not the same each time.
+    pub(crate) fn times(mut self, times: usize) -> Self {
+        self.times = times;
         self
     }
 

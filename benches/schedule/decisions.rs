@@ -1,101 +1,71 @@
-//! Row 13: a decision, at every size of the schedule.
+//! Row 13: a decision, at every size of the schedule, in time.
 
-use std::hint::black_box;
 use std::time::Instant;
 
-use faregate_scheduler::manager::{Addition, Telecommand};
+use faregate_scheduler::manager::State;
 use indicatif::ProgressBar;
 
-use crate::smaarte::Schedule;
+use crate::smaarte;
+use crate::stream::{KINDS, Schedule, Stream};
 use crate::support::{Bench, Curve, Failure, Quantiles, Series, Target};
-use crate::world::{World, id, peer, task};
+use crate::world::World;
 
 /// Schedules of so many tasks.
 const SIZES: [u32; 4] = [100, 1_000, 10_000, 100_000];
-
-/// What can happen. Of the worst of these, at its 99th percentile, the figure
-/// is made.
-const KINDS: [&str; 5] = ["due", "end", "add", "remove", "revoke"];
+/// The peer's decisions differ so little that fewer samples do.
+const PEERS: u32 = 200;
 
 /// Nanoseconds of each kind of event, one list for each.
 type Samples = [Vec<f64>; KINDS.len()];
 
 pub(crate) fn measure(bench: &mut Bench) -> Result<(), Failure> {
-    let rounds = bench.rounds() / 5 + 3;
-    let bar = ProgressBar::new(u64::from(rounds) * SIZES.len() as u64);
-    bar.set_prefix("decisions");
-    let worlds = SIZES.map(World::new);
-    let peers = SIZES.map(peer);
-    let mut ours = [(); SIZES.len()].map(|()| Samples::default());
-    let mut theirs = [(); SIZES.len()].map(|()| Samples::default());
-    for _ in 0..rounds {
-        for size in 0..SIZES.len() {
-            sample_ours(worlds[size].clone(), SIZES[size], &mut ours[size]);
-            // The peer's worst is so much slower that fewer samples do.
-            if theirs[size][0].len() < 100 {
-                sample_peer(peers[size].clone(), SIZES[size], &mut theirs[size]);
-            }
-            bar.inc(1);
+    let rounds = bench.rounds();
+    let bar = ProgressBar::new(u64::from(rounds));
+    let mut ours = SIZES.map(Stream::<World>::new);
+    let mut theirs = SIZES.map(Stream::<smaarte::Schedule>::new);
+    let [mut our_samples, mut their_samples] =
+        [(); 2].map(|()| [(); SIZES.len()].map(|()| Samples::default()));
+    for nth in 0..rounds {
+        for (stream, samples) in ours.iter_mut().zip(&mut our_samples) {
+            sample(stream, samples);
         }
+        for (stream, samples) in theirs.iter_mut().zip(&mut their_samples) {
+            if nth < PEERS {
+                sample(stream, samples);
+            }
+        }
+        bar.inc(1);
     }
     bar.finish_and_clear();
-    report(bench, &ours, &theirs);
+    ours.iter().try_for_each(as_many_wait)?;
+    report(bench, &our_samples, &their_samples);
     Ok(())
 }
 
-fn timed(samples: &mut Vec<f64>, event: impl FnOnce()) {
-    let start = Instant::now();
-    event();
-    samples.push(start.elapsed().as_secs_f64() * 1e9);
+/// A round that is not measured, and one that is. Of the first one's events the
+/// second one finds in the caches what any event touches: what other schedules
+/// left of them is nobody's measure.
+fn sample<S: Schedule>(stream: &mut Stream<S>, samples: &mut Samples) {
+    for _ in KINDS {
+        stream.pass();
+    }
+    for samples in samples {
+        let event = stream.make();
+        let start = Instant::now();
+        stream.schedule.happen(event);
+        samples.push(start.elapsed().as_secs_f64() * 1e9);
+        stream.follow();
+    }
 }
 
-/// One event of each kind, in a world of its own.
-fn sample_ours(mut world: World, size: u32, samples: &mut Samples) {
-    let [due, end, add, remove, revoke] = samples;
-    // What copying the world left of the caches is nobody's measure.
-    world.become_due();
-    timed(due, || world.become_due());
-    timed(revoke, || world.revoke());
-    world.restore();
-    let addition = Addition { task: task(size + 1, 0, 7) };
-    timed(add, || world.telecommand(Telecommand::Add(vec![addition])));
-    timed(remove, || world.telecommand(Telecommand::Remove(vec![id(size / 2)])));
-    // An end is two decisions: who is next, and, when its tickets are valid,
-    // that it starts.
-    let mut both = [0.0; 2];
-    let mut one = Vec::new();
-    timed(&mut one, || world.end());
-    world.follow();
-    let grants = world.grants();
-    timed(&mut one, || world.step(grants));
-    both.copy_from_slice(&one);
-    end.push(both[0].max(both[1]));
-    world.follow();
-    assert!(world.runs.is_some(), "after an end the next one runs");
-}
-
-fn sample_peer(mut schedule: Schedule, size: u32, samples: &mut Samples) {
-    let [due, end, add, remove, revoke] = samples;
-    black_box(schedule.process(1));
-    timed(due, || {
-        black_box(schedule.process(2));
-    });
-    timed(revoke, || {
-        black_box(schedule.process(2));
-    });
-    let more = schedule.entries[0];
-    timed(add, || {
-        schedule.entries.push(crate::smaarte::Entry { id: size + 1, active: false, ..more });
-        black_box(schedule.process(2));
-    });
-    timed(remove, || {
-        schedule.remove(size / 2);
-        black_box(schedule.process(2));
-    });
-    timed(end, || {
-        schedule.remove(1);
-        black_box(schedule.process(2));
-    });
+/// A schedule that empties would be measured as a small one.
+fn as_many_wait(stream: &Stream<World>) -> Result<(), Failure> {
+    let states = stream.schedule.manager.status();
+    let waiting = states.filter(|task| matches!(task.state, State::Waiting(_))).count();
+    if waiting == stream.waiting() {
+        return Ok(());
+    }
+    Err(format!("{waiting} tasks wait, and not {}", stream.waiting()).into())
 }
 
 /// The 99th percentile of the worst kind, in nanoseconds.
@@ -113,10 +83,12 @@ fn report(bench: &mut Bench, ours: &[Samples], theirs: &[Samples]) {
     bench.figure(13, name, their[last] / their[0], "x", Target::None);
     let name = "SMAARTE's sort and sweep / ours, 100 000 tasks";
     bench.figure(13, name, their[last] / our[last], "x", Target::None);
-    for (kind, name) in KINDS.iter().enumerate() {
-        let p99 = Quantiles::of(ours[last][kind].clone()).p99 / 1e3;
-        let name = format!("decision among 100 000, {name}, p99");
-        bench.figure(13, &name, p99, "us", Target::None);
+    for size in [0, last] {
+        for (kind, samples) in KINDS.iter().zip(&ours[size]) {
+            let p99 = Quantiles::of(samples.clone()).p99 / 1e3;
+            let name = format!("decision among {}, {}, p99", SIZES[size], kind.name());
+            bench.figure(13, &name, p99, "us", Target::None);
+        }
     }
     let series = |name, worst: &[f64]| {
         let points = SIZES.iter().zip(worst).map(|(&size, ns)| (f64::from(size), ns / 1e3));

@@ -14,7 +14,7 @@ use faregate_tickets::clock::Clock;
 use rustix::thread::clock_nanosleep_absolute;
 use rustix::time::{ClockId, Timespec};
 
-use crate::scene::{Ends, Moments, brief, manager};
+use crate::scene::{Ends, Moments, brief, manager, place};
 use crate::support::{Bench, Failure, Quantiles, Target};
 
 /// Tasks in the schedule, whether or not all of them are waited for.
@@ -26,7 +26,15 @@ const APART: Duration = Duration::from_millis(60);
 const PERIOD: u64 = 5_000;
 const FIFO: u8 = 80;
 
+/// On a thread of its own, whose priority is not that of what is measured later.
 pub(crate) fn measure(bench: &mut Bench) -> Result<(), Failure> {
+    thread::scope(|scope| {
+        let measured = scope.spawn(|| timed_starts(bench).map_err(|why| why.to_string()));
+        measured.join().map_err(|_| "the manager's thread panicked")?.map_err(Failure::from)
+    })
+}
+
+fn timed_starts(bench: &mut Bench) -> Result<(), Failure> {
     let starts = TASKS.min(bench.rounds() / 2).max(3);
     let report = RealTime::request().fifo(FIFO).apply();
     if !report.is_complete() {
@@ -94,7 +102,7 @@ fn timed(starts: u32) -> Vec<Task> {
 }
 
 fn run(tasks: Vec<Task>, ends: u32) -> Result<(Ends, Moments), Failure> {
-    let directory = tempfile::tempdir_in(crate::support::directory().parent().ok_or("no target")?)?;
+    let directory = place()?;
     let (mut onboard, moments) = manager(directory.path())?;
     onboard.load(tasks)?;
     let mut over = 0;

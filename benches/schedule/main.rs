@@ -5,6 +5,10 @@
 //! `docs/performance.md`. The peer is SMAARTE's own algorithm: sort by
 //! priority, then sweep the whole schedule, at each event.
 
+#[cfg(target_os = "linux")]
+#[expect(dead_code, reason = "the curves need more of it")]
+#[path = "../curves/count.rs"]
+mod count;
 mod decisions;
 #[expect(dead_code, reason = "a fixture of the scheduler's own tests")]
 #[path = "../../scheduler/tests/support/week.rs"]
@@ -16,6 +20,9 @@ mod resume;
 #[cfg(target_os = "linux")]
 mod scene;
 mod smaarte;
+#[cfg(target_os = "linux")]
+mod steps;
+mod stream;
 #[path = "../support/mod.rs"]
 mod support;
 mod week;
@@ -25,17 +32,18 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     #[cfg(target_os = "linux")]
-    if let Some(done) = resume::as_child() {
+    if let Some(done) = resume::as_child().or_else(|| count::as_child(steps::cases)) {
         return done;
     }
     support::run("schedule", |bench| {
-        decisions::measure(bench)?;
-        week::measure(bench)?;
+        // First what forks: a fork copies the tables of all memory in use.
         #[cfg(target_os = "linux")]
         {
-            resume::measure(bench)?;
             lateness::measure(bench)?;
+            resume::measure(bench)?;
+            steps::measure(bench)?;
         }
-        Ok(())
+        decisions::measure(bench)?;
+        week::measure(bench)
     })
 }

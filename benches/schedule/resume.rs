@@ -9,8 +9,8 @@ use faregate_runtime::clock::MonotonicClock;
 use faregate_scheduler::time::Duration;
 use faregate_tickets::clock::Clock;
 
-use crate::scene::{brief, manager};
-use crate::support::{Bench, Failure, Quantiles, Target, directory};
+use crate::scene::{brief, manager, place};
+use crate::support::{Bench, Failure, Quantiles, Target};
 
 /// Where the journal of a child is.
 const JOURNAL: &str = "FAREGATE_BENCH_JOURNAL";
@@ -44,7 +44,7 @@ fn resume(directory: &Path) -> Result<(), Failure> {
 }
 
 pub(crate) fn measure(bench: &mut Bench) -> Result<(), Failure> {
-    let home = tempfile::tempdir_in(directory().parent().ok_or("no target directory")?)?;
+    let home = place()?;
     // The first one fills the journal.
     decide(home.path())?;
     let resumptions = RESUMPTIONS.min(bench.rounds());

@@ -47,12 +47,21 @@ impl Correspondent for Ends {
     fn poll(&mut self, _: Now, _: &Manager, _: &mut Vec<Event>) {}
 }
 
-/// A program that ends at once.
+/// A program that ends at once, and need not be looked for.
 pub(crate) fn brief(number: u32, due: Duration) -> Task {
-    let body = Body::Process { program: "true".into(), arguments: Vec::new() };
+    let body = Body::Process { program: "/bin/true".into(), arguments: Vec::new() };
     let mut task = Task::new(id(number), body);
     task.windows = vec![Window { opens: When::AfterLoad(due), closes: When::Unrestricted }];
     task
+}
+
+/// A directory that goes away, on a disk: where the build is, since `/tmp` may
+/// be memory.
+pub(crate) fn place() -> Result<tempfile::TempDir, Failure> {
+    let directory = crate::support::directory();
+    let target = directory.parent().ok_or("no target directory")?;
+    std::fs::create_dir_all(target)?;
+    Ok(tempfile::tempdir_in(target)?)
 }
 
 /// A manager whose journal is in this directory, and what is seen of its forks.

@@ -4,26 +4,33 @@
 //! The schedule is an array, sorted by priority each time. Then it is walked
 //! from the top, with one mask of the categories in use.
 
+use std::collections::HashSet;
+use std::hint::black_box;
+
+use crate::stream::{self, Happening, Kind, Row};
+
 /// A task as SMAARTE keeps it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Entry {
-    pub(crate) id: u32,
-    pub(crate) start: u64,
-    pub(crate) end: u64,
-    pub(crate) conflict: u32,
-    pub(crate) priority: i32,
-    pub(crate) active: bool,
+struct Entry {
+    id: u32,
+    start: u64,
+    end: u64,
+    conflict: u32,
+    priority: i32,
+    active: bool,
 }
 
 /// The whole schedule.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Schedule {
-    pub(crate) entries: Vec<Entry>,
+    entries: Vec<Entry>,
+    now: u64,
 }
 
 impl Schedule {
     /// One round of processing at this time; how many tasks it started.
-    pub(crate) fn process(&mut self, now: u64) -> usize {
+    fn process(&mut self) -> usize {
+        let now = self.now;
         self.entries.sort_unstable_by_key(|entry| core::cmp::Reverse(entry.priority));
         self.entries.retain(|entry| entry.active || entry.end == 0 || now <= entry.end);
         let active = self.entries.iter().filter(|entry| entry.active);
@@ -39,8 +46,59 @@ impl Schedule {
         started
     }
 
-    /// A task has ended, or is taken out.
-    pub(crate) fn remove(&mut self, id: u32) {
+    fn remove(&mut self, id: u32) {
         self.entries.retain(|entry| entry.id != id);
+    }
+}
+
+impl From<&Row> for Entry {
+    fn from(row: &Row) -> Self {
+        let Row { id, due: start, priority } = *row;
+        Self { id, start, end: 0, conflict: 1, priority: priority.into(), active: false }
+    }
+}
+
+impl stream::Schedule for Schedule {
+    type Event = Happening;
+
+    fn of(rows: &[Row]) -> Self {
+        let mut schedule = Self { entries: rows.iter().map(Entry::from).collect(), now: 0 };
+        schedule.process();
+        schedule
+    }
+
+    /// Who has ended says so: it need not be looked for.
+    fn make(&mut self, now: u64, happening: Happening) -> Happening {
+        self.now = now;
+        match happening {
+            Happening::End => Happening::Remove(stream::Schedule::runs(self)),
+            other => other,
+        }
+    }
+
+    /// It has no tickets that could be taken or granted: then it only goes
+    /// through its schedule, as after everything.
+    fn happen(&mut self, event: Happening) {
+        match event {
+            Happening::Due | Happening::Revoke | Happening::End | Happening::Start => {}
+            Happening::Add(row) => self.entries.push(Entry::from(&row)),
+            Happening::Remove(id) => self.remove(id),
+        }
+        black_box(self.process());
+    }
+
+    fn follow(&mut self, _: Kind) {}
+
+    fn runs(&self) -> u32 {
+        let running = self.entries.iter().find(|entry| entry.active);
+        running.expect("a task runs between the events").id
+    }
+
+    fn replace(&mut self, out: &[u32], rows: &[Row]) {
+        let mut out: HashSet<u32> = out.iter().copied().collect();
+        out.insert(stream::Schedule::runs(self));
+        self.entries.retain(|entry| !out.contains(&entry.id));
+        self.entries.extend(rows.iter().map(Entry::from));
+        self.process();
     }
 }
