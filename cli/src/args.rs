@@ -2,6 +2,7 @@
 
 mod live;
 mod offline;
+mod plan;
 
 use clap::{Parser, Subcommand, ValueEnum};
 
@@ -12,6 +13,7 @@ pub(crate) use live::{
 pub(crate) use offline::{
     AnalyzeArgs, CheckArgs, CompletionsArgs, ConflictColumn, ConvertArgs, FilesArgs, RunArgs,
 };
+pub(crate) use plan::{PlanAction, PlanMakeArgs, TableFormat};
 
 /// The schedule manager: what runs when, on tickets.
 #[derive(Debug, Parser)]
@@ -36,6 +38,9 @@ pub(crate) enum What {
     /// Runs a schedule: processes, functions, sequences, on the mission's
     /// simulated devices.
     Run(RunArgs),
+    /// Plans of the onboard planner.
+    #[command(subcommand)]
+    Plan(PlanAction),
     /// Tells where the tasks of a running manager stand.
     Status(StatusArgs),
     /// Tells every change at a running manager, until it ends.

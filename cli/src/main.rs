@@ -4,6 +4,7 @@
 //! | module | what |
 //! |---|---|
 //! | `args` | the words of the command line |
+//! | `plan` | sub-commands about plans of the onboard planner |
 //! | `live` | sub-commands that talk to a running manager |
 //! | `inside` | sub-commands for scripts inside a task |
 //! | `changes` | one line for each change |
@@ -18,6 +19,7 @@ mod exit;
 mod inside;
 mod live;
 mod out;
+mod plan;
 mod report;
 mod run;
 mod schedule;
@@ -61,6 +63,7 @@ fn run(what: &What) -> Result<Exit, Failure> {
         What::Check(args) => check::check(args),
         What::Analyze(args) => analyze::analyze(args),
         What::Run(args) => run::run(args),
+        What::Plan(action) => plan::plan(action),
         What::Convert(args) => convert::convert(args),
     }
 }

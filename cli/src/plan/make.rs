@@ -1,0 +1,133 @@
+//! `plan make`: from a plan, parameters and a state to a timed plan.
+
+mod document;
+mod search;
+mod table;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use faregate_planner::picture::{self, Scene};
+use faregate_planner::plan::Kind;
+use faregate_planner::project::project;
+use faregate_planner::timed::{Fate, Projection, Reason, Row};
+use faregate_planner::words::Words;
+use faregate_planner::{Activity, ActivityId, Parameters, Plan, Problem, State, TimedPlan};
+
+use crate::args::{PlanMakeArgs, TableFormat};
+use crate::exit::{Exit, Failure};
+use crate::out;
+use crate::plan::input::{self, Inputs};
+
+/// Some mandatory activities are left out. The words were right all the same:
+/// the number is that of wrong usage, and standard output tells them apart.
+const SOME_OUT: Exit = Exit::Usage;
+
+/// A timed plan, and what there is to say of it.
+#[derive(Debug)]
+struct Made {
+    plan: Plan,
+    parameters: Parameters,
+    state: State,
+    timed: TimedPlan,
+    projection: Projection,
+    /// By the independent checker. There is none, or else the planner is wrong.
+    violations: Vec<String>,
+    explanations: Option<BTreeMap<ActivityId, Vec<String>>>,
+}
+
+pub(super) fn make(args: &PlanMakeArgs) -> Result<Exit, Failure> {
+    let Inputs { plan, parameters, state } = input::read(&args.plan, &args.parameters, &args.state)?;
+    let problem = Problem::new(&plan, &parameters, &state).map_err(|unfit| unfit_for(&unfit))?;
+    let incumbent = args.incumbent.as_deref().map(incumbent).transpose()?;
+    let timed = search::best(&problem, incumbent.as_ref(), args)?;
+    let violations = violations(&plan, &parameters, &state, incumbent.as_ref(), &timed);
+    let explanations =
+        args.explain.then(|| search::explanations(&problem, incumbent.as_ref(), &plan, &parameters, &timed));
+    let projection = project(&plan, &parameters, &state, &timed);
+    let made = Made { plan, parameters, state, timed, projection, violations, explanations };
+    write(args, &made)?;
+    match args.format {
+        TableFormat::Json => out::json(&document::document(&made))?,
+        TableFormat::Table => table::print(&made)?,
+    }
+    Ok(made.exit())
+}
+
+fn unfit_for(unfit: &[faregate_planner::Unfit]) -> Failure {
+    let all: Vec<String> = unfit.iter().map(ToString::to_string).collect();
+    Failure::failed(format!("nothing can be planned: {}", all.join("; ")))
+}
+
+fn violations(
+    plan: &Plan,
+    parameters: &Parameters,
+    state: &State,
+    incumbent: Option<&TimedPlan>,
+    timed: &TimedPlan,
+) -> Vec<String> {
+    let found = faregate_checker::check(plan, parameters, state, incumbent, timed);
+    found.iter().map(ToString::to_string).collect()
+}
+
+/// A timed plan that an earlier call wrote.
+fn incumbent(path: &Path) -> Result<TimedPlan, Failure> {
+    let name = path.display();
+    let text = fs::read(path)
+        .map_err(|error| Failure::failed(format!("{name} cannot be read: {error}")))?;
+    serde_json::from_slice(&text).map_err(|error| {
+        Failure::failed(format!("{name} is no timed plan as --out writes it: {error}"))
+    })
+}
+
+/// The files that were asked for.
+fn write(args: &PlanMakeArgs, made: &Made) -> Result<(), Failure> {
+    if let Some(path) = &args.out {
+        let text = serde_json::to_string(&made.timed)
+            .map_err(|error| Failure::failed(error.to_string()))?;
+        put(path, &format!("{text}\n"))?;
+    }
+    let Some(path) = &args.svg else { return Ok(()) };
+    let Made { plan, parameters, state, timed, projection, .. } = made;
+    put(path, &picture::draw(&Scene { plan, parameters, state, timed, projection, trace: None }))
+}
+
+fn put(path: &Path, text: &str) -> Result<(), Failure> {
+    fs::write(path, text)
+        .map_err(|error| Failure::failed(format!("{} cannot be written: {error}", path.display())))
+}
+
+impl Made {
+    fn words(&self) -> Words<'_> {
+        Words::new(&self.plan, &self.parameters)
+    }
+
+    fn activity(&self, id: ActivityId) -> Option<&Activity> {
+        self.plan.activities.iter().find(|activity| activity.id == id)
+    }
+
+    const fn is_mandatory(&self, activity: &Activity) -> bool {
+        activity.priority >= self.parameters.mandatory_from
+    }
+
+    /// Mandatory, left out, and nobody can say that it is not needed.
+    fn is_missed(&self, row: &Row) -> bool {
+        let Fate::Out(reason) = &row.fate else { return false };
+        let mandatory = self.activity(row.id).filter(|activity| self.is_mandatory(activity));
+        let needless = matches!(reason, Reason::GroupTaken(_) | Reason::WaitsForOutcome(_));
+        mandatory.is_some_and(|activity| activity.kind != Kind::Cleanup && !needless)
+    }
+
+    fn missed(&self) -> impl Iterator<Item = &Row> {
+        self.timed.rows.iter().filter(|row| self.is_missed(row))
+    }
+
+    /// A plan that breaks a rule is no plan, however much is in it.
+    fn exit(&self) -> Exit {
+        if !self.violations.is_empty() {
+            return Exit::Failed;
+        }
+        if self.missed().next().is_some() { SOME_OUT } else { Exit::Done }
+    }
+}
