@@ -93,6 +93,10 @@ pub(super) fn windows<'a>(scene: &Scene<'a>) -> &'a [Window] {
 pub(super) fn radio(scene: &Scene<'_>, place: Place, scale: &Scale) -> Group {
     let words = Words::new(scene.plan, scene.parameters);
     let mut free = scale.left;
+    if windows(scene).is_empty() {
+        let none = text(scale.left + 6.0, place.middle() + 3.7, "none").set("font-size", SMALL);
+        return Group::new().add(none.set("fill", GREY));
+    }
     windows(scene).iter().fold(Group::new(), |group, window| {
         let Some((from, until)) = scale.seen(window.start, window.end) else { return group };
         let block = bar((from, until), place.top + 4.0, place.height - 8.0, RADIO);

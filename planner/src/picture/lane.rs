@@ -105,6 +105,10 @@ fn ranges(group: Group, lane: &Lane, place: Place, scale: &Scale) -> Group {
     });
     seen.fold(group, |group, (left, right, cutoff, ends)| {
         let group = group.add(bar((left, right), top, height, RANGE));
+        if lane.out.is_some() {
+            // Words are written there.
+            return group;
+        }
         let wire = line((right, place.middle()), (cutoff, place.middle()), RANGE_EDGE);
         let group = group.add(wire.set("stroke-width", 0.9).set("stroke-dasharray", "2 2"));
         if !ends {

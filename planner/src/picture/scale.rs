@@ -75,7 +75,7 @@ impl Scale {
         let minutes = (0..=count).map(|nth| nth * step);
         let ticks = minutes.map(|minute| Tick {
             at: begin.after(Span::new(minute * MINUTE)),
-            label: format!("{:02}:{:02}", minute / 60, minute % 60),
+            label: label(number, minute),
             midnight: minute == 0,
         });
         ticks.filter(|tick| self.pixels(next.since(tick.at).get()) >= APART * 0.7).collect()
@@ -92,10 +92,18 @@ impl Scale {
         let numbers = (0..=64).map(|nth| first.saturating_add(every.saturating_mul(nth)));
         let ticks = numbers.map(|number| Tick {
             at: midnight(day, number),
-            label: format!("sol {number}"),
+            label: label(number, 0),
             midnight: true,
         });
         ticks.filter(|tick| (self.from..=self.until).contains(&tick.at)).collect()
+    }
+}
+
+/// The time of day; the sol where it begins.
+fn label(number: i64, minute: i64) -> String {
+    match minute {
+        0 => format!("sol {number}"),
+        _ => format!("{:02}:{:02}", minute / 60, minute % 60),
     }
 }
 
@@ -123,7 +131,7 @@ mod tests {
     fn a_sol_is_named_by_its_hours_and_its_end_is_the_next_ones_midnight() {
         let named = labels(0, 1_480);
         assert_eq!(named.len(), 13, "{named:?}");
-        assert_eq!(named[11..], ["22:00", "00:00"]);
+        assert_eq!(named[11..], ["22:00", "sol 1"]);
     }
 
     #[test]
