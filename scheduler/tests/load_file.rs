@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::sync::mpsc::{Sender, channel};
 use std::time;
 
+use faregate_client::{RefusalKind, Refused};
 use faregate_scheduler::control::Links;
 use faregate_scheduler::executive::{Correspondent, LoadedFile, Outside, Watched};
 use faregate_scheduler::manager::{Attempt, Event, Manager, Note, Reply, TelecommandId};
@@ -75,8 +76,9 @@ fn a_slow_disk_delays_no_task_and_its_file_is_loaded_in_the_end() {
     let (disk, answer) = channel();
     let answer = Mutex::new(answer);
     let read = move |_: &str, _: &str| {
-        let _ = answer.lock().recv_timeout(LONG);
-        Ok(vec![hold(7)])
+        let came = answer.lock().recv_timeout(LONG);
+        came.map(|()| vec![hold(7)])
+            .map_err(|_| Refused::new(RefusalKind::NotDone, "the disk waited in vain"))
     };
     let ended = Arc::<Mutex<_>>::default();
     let told = Arc::clone(&ended);
