@@ -86,6 +86,31 @@ fn a_run_that_was_killed_goes_on_from_its_journal() {
     assert_eq!(ran, "run\nsecond\n", "the first one is not run twice, the second is not lost");
 }
 
+/// As a child does that was frozen as it was forked: here it takes the lock when
+/// the manager has died.
+#[test]
+fn a_leftover_that_has_the_journals_lock_keeps_nobody_from_going_on() {
+    let scratch = Scratch::new();
+    let keeper = "exec 9<>kept/journal/lock; echo >waits; flock 9; echo >got; exec sleep 600";
+    scratch.file("keeper.sh", keeper);
+    scratch.file("once.sh", "setsid sh keeper.sh & echo >ran; wait");
+    let task = "[[task]]\nid = 1\nrun = 'sh once.sh'\n";
+    let mission = scratch.file("mission.toml", format!("{MISSION}{task}"));
+    let journal = scratch.path("kept");
+    let words = [mission.to_str().unwrap(), "--journal", journal.to_str().unwrap()];
+    let mut run = Run::start(&scratch, &words);
+    run.until("started task 1");
+    wait_until("the leftover waits", || scratch.path("waits").exists());
+    run.child.kill().unwrap();
+    run.child.wait().unwrap();
+    wait_until("the leftover has the lock", || scratch.path("got").exists());
+    let mut run = Run::start(&scratch, &words);
+    run.until("failed task 1");
+    let said = run.end();
+    assert!(said.out.contains("Ended process"), "{said:?}");
+    assert!(said.out.contains("where the journal ends"), "{said:?}");
+}
+
 /// Each attempt takes several descriptors of the manager's, and a shell gives it
 /// few to begin with.
 #[test]

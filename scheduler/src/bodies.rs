@@ -72,4 +72,5 @@ pub use functions::{Function, Functions, Invocation, NotRegistered};
 pub use output::{Output, Printed};
 pub use run::RealBodies;
 pub use settings::{Moment, Probe, Settings, Surroundings};
+pub(crate) use sweep::end_left;
 pub use sweep::{Swept, sweep};

@@ -19,6 +19,8 @@
 //! # }
 //! ```
 
+mod opening;
+
 use core::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -26,13 +28,13 @@ use std::sync::Arc;
 
 use faregate_client::{Problem, RefusalKind, Refused};
 
-use crate::bodies::{Functions, RealBodies, Settings, Surroundings};
+use crate::bodies::{Functions, RealBodies, Settings, Surroundings, Swept};
 use crate::control::{Links, ReadSchedule, SocketLink};
 use crate::executive::{
     Commands, Correspondent, HostClock, HostExecutive, JournalSink, Unwritten, Waker,
 };
 use crate::format::{self, Diagnostic};
-use crate::journal::{Journal, JournalError, Opened, Options};
+use crate::journal::{Journal, JournalError, Opened};
 use crate::manager::{Addition, Record, Reply, Restored, Telecommand};
 use crate::mission::Mission;
 use crate::port::CommandServer;
@@ -56,6 +58,7 @@ pub struct Builder {
     kept: Kept,
     restored: Restored,
     opened: Option<Opened>,
+    swept: Vec<Swept>,
     control: Option<PathBuf>,
     schedules: Arc<dyn ReadSchedule>,
 }
@@ -135,6 +138,7 @@ impl Onboard {
             kept: Kept::Nowhere(Unwritten),
             restored: Restored::default(),
             opened: None,
+            swept: Vec::new(),
             control: None,
         })
     }
@@ -201,12 +205,13 @@ impl Builder {
     /// # Errors
     /// [`NotOnboard::Journal`].
     pub fn journal(mut self, directory: &Path) -> Result<Self, NotOnboard> {
-        let (journal, restored, opened) =
-            Journal::open(&directory.join("journal"), Options::default())?;
+        let state = directory.join("run");
+        let (journal, restored, opened, swept) = opening::open(&directory.join("journal"), &state)?;
         self.kept = Kept::Journal(Box::new(journal));
         self.restored = restored;
         self.opened = Some(opened);
-        self.settings.state = Some(directory.join("run"));
+        self.swept = swept;
+        self.settings.state = Some(state);
         Ok(self)
     }
 
@@ -286,7 +291,8 @@ impl Builder {
         }
         let around = Surroundings { ports: Box::new(ports), commands, functions: self.functions };
         // What an earlier manager left ends here, before anything starts.
-        let bodies = RealBodies::new(self.settings, self.waker.clone(), around)?;
+        let mut bodies = RealBodies::new(self.settings, self.waker.clone(), around)?;
+        bodies.also_swept(self.swept);
         let outside = outside(links, &tickets, &self.waker)?;
         let ports = (bodies, tickets, self.kept, outside);
         Ok(HostExecutive::new(self.mission, self.restored, self.waker, self.clock, ports)?)

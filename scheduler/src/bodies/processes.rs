@@ -63,6 +63,10 @@ impl Processes {
         self.run.groups.as_ref().map(Groups::path).map_err(String::as_str)
     }
 
+    pub(super) fn also_swept(&mut self, swept: Vec<Swept>) {
+        self.run.swept.extend(swept);
+    }
+
     pub(super) fn swept(&self) -> &[Swept] {
         &self.run.swept
     }

@@ -63,6 +63,11 @@ impl RealBodies {
         })
     }
 
+    /// These were swept before, too.
+    pub(crate) fn also_swept(&mut self, swept: Vec<Swept>) {
+        self.processes.also_swept(swept);
+    }
+
     /// What the last manager with this state had left, and what was killed when
     /// these bodies were made.
     #[must_use]

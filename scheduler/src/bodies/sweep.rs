@@ -126,24 +126,41 @@ pub struct Swept {
 /// That manager is still there; the file cannot be read; or something does not
 /// die, and the error names it.
 pub fn sweep(state: &Path) -> io::Result<Vec<Swept>> {
+    let swept = end_left(state)?;
+    if let Some(group) = last(state)?.and_then(|run| run.control_group) {
+        cgroup::remove(&group);
+    }
+    match fs::remove_file(state.join(FILE)) {
+        Err(error) if error.kind() != ErrorKind::NotFound => Err(error),
+        _ => Ok(swept),
+    }
+}
+
+/// The same, and what is written of that manager stays: for who has no lock
+/// yet, and may not be the only one who does this.
+///
+/// # Errors
+/// As [`sweep`].
+pub(crate) fn end_left(state: &Path) -> io::Result<Vec<Swept>> {
+    let mut swept = Vec::new();
+    if let Some(run) = last(state)? {
+        run.is_over()?;
+        run.kill_all(&mut swept)?;
+    }
+    Ok(swept)
+}
+
+/// What is written of the last run in this start of the host.
+fn last(state: &Path) -> io::Result<Option<Written>> {
     let text = match fs::read(state.join(FILE)) {
         Ok(text) => text,
-        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Vec::new()),
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(None),
         Err(error) => return Err(error),
     };
-    let mut swept = Vec::new();
     // A file is whole as long as the host runs. One that is not has come
     // through a loss of power, which no process has.
     let run = serde_json::from_slice::<Written>(&text).ok();
-    if let Some(run) = run.filter(|run| boot().is_ok_and(|boot| run.boot == boot)) {
-        run.is_over()?;
-        run.kill_all(&mut swept)?;
-        if let Some(group) = &run.control_group {
-            cgroup::remove(group);
-        }
-    }
-    fs::remove_file(state.join(FILE))?;
-    Ok(swept)
+    Ok(run.filter(|run| boot().is_ok_and(|boot| run.boot == boot)))
 }
 
 impl Written {

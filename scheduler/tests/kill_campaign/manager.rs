@@ -34,10 +34,11 @@ pub(crate) const OPTIONS: Options =
 
 /// Lives until all is done. Prints how often it came to each point.
 pub(crate) fn live(place: &Path, broken: Option<Break>) -> Result<ExitCode, Failure> {
-    let (journal, restored, _) = Journal::open(&journal(place), OPTIONS)?;
-    // What a dead manager's tasks had started goes before anything is started.
+    // What a dead manager's tasks had started goes before anything is started. A
+    // child that was frozen as it was born may have the journal's lock.
     let state = place.join("bodies");
     sweep(&state)?;
+    let (journal, restored, _) = Journal::open(&journal(place), OPTIONS)?;
     Chronicle::open(place)?.note(&Fact::Life)?;
     let there: Vec<_> = restored.tasks.iter().map(|task| task.task.id).collect();
     let waker = Waker::new()?;
