@@ -173,7 +173,7 @@ impl Problem {
 
     /// The block that `now` is in.
     pub(crate) fn present_block(&self) -> Option<&Block> {
-        self.blocks.first().filter(|block| block.from < self.now)
+        self.blocks.first().filter(|block| block.from <= self.now)
     }
 }
 

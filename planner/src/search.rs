@@ -65,3 +65,8 @@ impl Rest<'_> {
         good
     }
 }
+
+#[cfg(test)]
+mod small;
+#[cfg(test)]
+mod tests;

@@ -91,6 +91,13 @@ impl<'a, 'w, W: Watch> Sweep<'a, 'w, W> {
         Var::fixed(self.problem.end)
     }
 
+    /// What nothing that is in progress can go past: the next manual block, or
+    /// the end.
+    fn barrier(&self, from: Var) -> Var {
+        let block = self.problem.next_block(from.at).map(|block| block.from);
+        Var::fixed(block.unwrap_or(self.problem.end))
+    }
+
     fn go(&mut self, to: Var, computer: Draw) {
         self.cursor = self.energy.walk(self.cursor, to, computer, &mut self.reach, self.watch);
     }
@@ -120,13 +127,13 @@ impl<'a, 'w, W: Watch> Sweep<'a, 'w, W> {
             Mode::Awake => return Some(Up { wakeup: now, up: now, counted: since }),
             Mode::WakingUp => {
                 let up = self.max(now, since.later(computer.wakeup_time));
-                let up = self.min(up, self.end());
+                let up = self.min(up, self.barrier(now));
                 return Some(Up { wakeup: now, up, counted: up });
             }
             Mode::ShuttingDown => {
                 since = since.later(computer.shutdown_time);
                 let asleep = self.max(now, since);
-                let asleep = self.min(asleep, self.end());
+                let asleep = self.min(asleep, self.barrier(now));
                 self.go(asleep, computer.shutdown);
             }
             Mode::Asleep => {}
@@ -270,7 +277,8 @@ impl<'a, 'w, W: Watch> Sweep<'a, 'w, W> {
             if first && self.reach.lt(until, cursor.at) {
                 let by = cursor.at.at - until.at;
                 self.late.push(Late { at: need.from, who: need.who, by });
-                let up = self.min(cursor.at.later(computer.wakeup_time), end);
+                let up = cursor.at.later(computer.wakeup_time);
+                let up = self.min(up, self.barrier(cursor.at));
                 return Wake::Up(Up { wakeup: cursor.at, up, counted: up });
             }
         }
@@ -293,7 +301,7 @@ impl<'a, 'w, W: Watch> Sweep<'a, 'w, W> {
                 wakeup = self.max(last, cursor.at);
             }
         }
-        let up = self.min(wakeup.later(computer.wakeup_time), end);
+        let up = self.min(wakeup.later(computer.wakeup_time), self.barrier(cursor.at));
         Wake::Up(Up { wakeup, up, counted: up })
     }
 

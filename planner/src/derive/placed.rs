@@ -162,7 +162,7 @@ impl Placed {
         for block in &problem.blocks {
             self.draw(problem, block.from, block.shutdown_until, computer.shutdown, 1);
             self.draw(problem, block.wakeup_from, block.to, computer.wakeup, 1);
-            if block.from >= problem.now {
+            if block.from > problem.now {
                 add(&mut self.needs, Need { from: block.from, who: Who::Block, to: block.from });
             }
             if block.to < problem.end {
