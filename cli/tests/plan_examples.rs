@@ -90,16 +90,19 @@ impl Sol {
 
     /// Sleeps: from the plan's first instant to its end.
     fn sleeps(&self) -> usize {
-        let begins = [None].into_iter().chain(self.timed.awake.iter().map(|phase| Some(phase.asleep)));
+        let begins =
+            [None].into_iter().chain(self.timed.awake.iter().map(|phase| Some(phase.asleep)));
         let ends = self.timed.awake.iter().map(|phase| phase.wakeup).chain([self.plan.end]);
         begins.zip(ends).filter(|(begin, end)| begin.is_none_or(|begin| begin < *end)).count()
     }
 
     /// Uses of a zone that was warm already, from a use before.
     fn shared_zones(&self) -> BTreeSet<&str> {
-        let uses = self.plan.activities.iter().filter_map(|activity| {
-            Some((activity, self.timed.slot(activity.id)?.start))
-        });
+        let uses = self
+            .plan
+            .activities
+            .iter()
+            .filter_map(|activity| Some((activity, self.timed.slot(activity.id)?.start)));
         let cold = |zone: &str, start: Time| {
             self.timed.preheats.iter().any(|preheat| preheat.zone == zone && preheat.end == start)
         };
@@ -110,9 +113,11 @@ impl Sol {
     }
 
     fn expanded(&self) -> usize {
-        let expanding = self.plan.activities.iter().filter(|activity| {
-            matches!(activity.kind, Kind::Expanding { .. })
-        });
+        let expanding = self
+            .plan
+            .activities
+            .iter()
+            .filter(|activity| matches!(activity.kind, Kind::Expanding { .. }));
         let longer = expanding.filter(|activity| {
             let slot = self.timed.slot(activity.id);
             slot.is_some_and(|slot| slot.length() > activity.placed())
@@ -165,7 +170,10 @@ fn the_winter_sol_leaves_out_for_want_of_energy_alone() {
     assert_eq!(sol.said.code, 0, "{}{}", sol.said.out, sol.said.err);
     sol.keeps_every_limit();
     let limits = sol.limits();
-    assert!(limits.contains(&Limit::SoftMinimum) && limits.contains(&Limit::Handover), "{limits:?}");
+    assert!(
+        limits.contains(&Limit::SoftMinimum) && limits.contains(&Limit::Handover),
+        "{limits:?}"
+    );
     let of_energy = [Limit::SoftMinimum, Limit::Handover];
     assert!(limits.iter().all(|limit| of_energy.contains(limit)), "{limits:?}");
     assert!(limits.len() >= 4 && sol.scheduled() >= 5, "{limits:?}");
@@ -200,7 +208,11 @@ fn a_plan_that_cannot_be_met_ends_with_2_and_says_why() {
     for limit in [Limit::SoftMinimum, Limit::Computer] {
         assert!(sol.is_stopped_by(&limit), "{limit:?}: {reasons:#?}");
     }
-    assert!(sol.timed.excess.iter().any(|excess| excess.limit == Limit::Data), "{:?}", sol.timed.excess);
+    assert!(
+        sol.timed.excess.iter().any(|excess| excess.limit == Limit::Data),
+        "{:?}",
+        sol.timed.excess
+    );
     let unavoidable = &sol.timed.unavoidable;
     assert!(unavoidable.iter().any(|excess| excess.limit == Limit::Handover), "{unavoidable:?}");
 }

@@ -19,6 +19,7 @@
 //! | [`state`] | what is so now |
 //! | [`timed`] | what the planner answers |
 //! | [`timeline`] | what is used when, and where else something fits |
+//! | [`mod@project`] | what every timeline will be |
 //! | [`mod@file`] | plans, parameters and states in files |
 //! | [`execute`] | the control thread: dispatches, checks, aborts |
 //! | [`words`] | the same in words |
@@ -36,6 +37,7 @@ pub mod parameters;
 pub mod picture;
 pub mod plan;
 pub mod problem;
+pub mod project;
 pub mod schedule;
 pub mod search;
 pub mod state;
@@ -48,6 +50,7 @@ pub mod words;
 pub use parameters::Parameters;
 pub use plan::{Activity, ActivityId, Plan};
 pub use problem::Problem;
+pub use project::project;
 pub use schedule::{schedule, schedule_in_order};
 pub use state::State;
 pub use timed::TimedPlan;

@@ -17,6 +17,7 @@ mod intervals;
 mod line;
 mod named;
 mod settings;
+mod shown;
 mod starts;
 
 use std::collections::BTreeMap;
@@ -29,6 +30,7 @@ use crate::units::Time;
 pub use claim::{Claim, UnknownTimeline};
 pub use conflict::Conflict;
 pub use intervals::Intervals;
+pub use shown::{Shown, Total};
 
 use line::{Line, Ramp};
 use named::Named;

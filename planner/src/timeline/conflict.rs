@@ -42,7 +42,7 @@ impl Timelines {
                 self.sum(Limit::Engines, &self.engines, engines, at, |claim| claim.engines.into())
             })
             .or_else(|| self.held(claim, at))
-            .or_else(|| self.named.iter().find_map(|named| self.named(named, claim, at)))
+            .or_else(|| self.named.iter().find_map(|named| self.off_range(named, claim, at)))
     }
 
     fn sum(
@@ -77,7 +77,7 @@ impl Timelines {
         })
     }
 
-    fn named(&self, named: &Named, claim: &Claim, start: i64) -> Option<Conflict> {
+    fn off_range(&self, named: &Named, claim: &Claim, start: i64) -> Option<Conflict> {
         let touch = claim.named.iter().find(|touch| self.named.get(touch.line) == Some(named))?;
         let off = match &named.result {
             Outcome::Set(set) => set.off(setter(touch, claim), start, &named.ranges()),

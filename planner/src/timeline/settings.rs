@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use crate::units::Time;
+
 use super::starts::{Bad, Within};
 
 /// When a value is set. At one instant ends come before starts, and then the
@@ -52,6 +54,20 @@ impl Settings {
         for (key, _) in keys(setter, start) {
             self.sets.remove(&key);
         }
+    }
+
+    /// The values and since when, beginning with the present one; of several at
+    /// one instant the one that holds.
+    pub(crate) fn points(&self, now: i64) -> Vec<(Time, i64)> {
+        let mut points = vec![(Time::new(now), self.initial)];
+        for (key, &value) in &self.sets {
+            let at = Time::new(key.0.max(now));
+            if points.last().is_some_and(|(known, _)| *known == at) {
+                points.pop();
+            }
+            points.push((at, value));
+        }
+        points
     }
 
     /// Adds the starts to `bad` that break one of the ranges, or the setter's
