@@ -13,7 +13,10 @@ pub(crate) use live::{
 pub(crate) use offline::{
     AnalyzeArgs, CheckArgs, CompletionsArgs, ConflictColumn, ConvertArgs, FilesArgs, RunArgs,
 };
-pub(crate) use plan::{PlanAction, PlanMakeArgs, TableFormat};
+pub(crate) use plan::{
+    PlanAction, PlanCheckArgs, PlanConvertArgs, PlanDiffArgs, PlanMakeArgs, PlanNewArgs, TableFormat,
+    TemplateName,
+};
 
 /// The schedule manager: what runs when, on tickets.
 #[derive(Debug, Parser)]

@@ -1,7 +1,12 @@
 //! `plan`: what the onboard planner has to do with.
 
+mod check;
+mod convert;
+mod diff;
+mod files;
 mod input;
 mod make;
+mod new;
 
 use crate::args::PlanAction;
 use crate::exit::{Exit, Failure};
@@ -9,5 +14,9 @@ use crate::exit::{Exit, Failure};
 pub(crate) fn plan(action: &PlanAction) -> Result<Exit, Failure> {
     match action {
         PlanAction::Make(args) => make::make(args),
+        PlanAction::Check(args) => check::check(args),
+        PlanAction::Convert(args) => convert::convert(args),
+        PlanAction::Diff(args) => diff::diff(args),
+        PlanAction::New(args) => new::new(args),
     }
 }

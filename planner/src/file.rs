@@ -25,17 +25,20 @@
 
 pub mod binary;
 mod check;
+mod difference;
 mod fields;
 mod names;
 mod read;
 mod schema;
 mod show;
+pub mod template;
 mod times;
 mod value;
 mod words;
 mod write;
 mod xml;
 
+pub use difference::{Change, Difference, differences};
 use faregate_scheduler::format::reading::{Report, Source, Wrong, shown};
 use faregate_scheduler::format::{Diagnostic, Rule};
 
@@ -265,7 +268,7 @@ fn from_element(
             None
         }
     };
-    if names.assumed.get() {
+    if names.assumed.get() && !names.told() {
         let wrong = Wrong::new(Rule::Assumed, "nobody said which parameters this file goes with");
         let wrong = wrong.help("name the parameters' file, too: their days and names count");
         report.warn(root.at.clone(), "", wrong);

@@ -1,14 +1,30 @@
 //! Words of the sub-commands about plans.
 
+mod files;
+
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
+
+pub(crate) use files::{PlanCheckArgs, PlanConvertArgs, PlanDiffArgs, PlanNewArgs, TemplateName};
 
 /// What is to be done with a plan.
 #[derive(Debug, Subcommand)]
 pub(crate) enum PlanAction {
     /// Makes a timed plan: what runs when, and why the rest does not.
     Make(PlanMakeArgs),
+    /// Reads plans, parameters and states, and reports everything that is wrong
+    /// with them, each and together. Mistakes end with exit code 1, warnings
+    /// alone with 0.
+    Check(PlanCheckArgs),
+    /// Writes a plan, parameters or a state in the other form: XML for people,
+    /// or compact and with a checksum.
+    Convert(PlanConvertArgs),
+    /// Tells what changed between two plans, parameters or states, field by
+    /// field.
+    Diff(PlanDiffArgs),
+    /// Writes a plan, parameters or a state to begin with.
+    New(PlanNewArgs),
 }
 
 #[derive(Debug, Args)]

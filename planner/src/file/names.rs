@@ -15,27 +15,40 @@ pub(crate) struct Names<'p> {
     pub(crate) parameters: Option<&'p Parameters>,
     /// Something was read as if it were known.
     pub(crate) assumed: Cell<bool>,
+    /// Somebody was told that resources cannot be looked up.
+    told: Cell<bool>,
 }
 
 impl<'p> Names<'p> {
     pub(crate) const fn new(parameters: Option<&'p Parameters>) -> Self {
-        Self { parameters, assumed: Cell::new(false) }
+        Self { parameters, assumed: Cell::new(false), told: Cell::new(false) }
+    }
+
+    /// Whether an error says already that there are no parameters.
+    pub(crate) fn told(&self) -> bool {
+        self.told.get()
     }
 
     pub(crate) fn day(&self) -> Day {
         self.parameters.map_or(Day::SOL, |parameters| parameters.day)
     }
 
-    /// The bit of a resource's name.
-    pub(crate) fn resource(&self, text: &str) -> Result<u8, Wrong> {
+    /// The bit of a resource's name; `None`: nobody can know it, and this was
+    /// told once.
+    pub(crate) fn resource(&self, text: &str) -> Result<Option<u8>, Wrong> {
         let name = value::name(text)?;
         let Some(parameters) = self.parameters else {
-            let message = format!("nobody knows here which bit {} is", shown(text));
+            if self.told.replace(true) {
+                return Ok(None);
+            }
+            let message =
+                format!("nobody knows here which bits {} and other names are", shown(text));
             let wrong = Wrong::new(Rule::UnknownName, message).expected("the number of a bit");
             return Err(wrong.help("name the parameters' file, too"));
         };
         let names = parameters.resources.keys();
-        parameters.resources.get(&name).copied().ok_or_else(|| unknown("resource", text, names))
+        let bit = parameters.resources.get(&name).copied();
+        bit.map(Some).ok_or_else(|| unknown("resource", text, names))
     }
 
     /// A zone's name, which must be one that is known.

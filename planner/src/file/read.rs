@@ -54,7 +54,7 @@ fn load(fields: &mut Fields<'_, '_, '_, '_>) -> Load {
 fn used_bit(fields: &mut Fields<'_, '_, '_, '_>, how: &str) -> Categories {
     let names = fields.names;
     let bit = match how {
-        "resource" => fields.read("resource", |text| names.resource(text)),
+        "resource" => fields.read("resource", |text| names.resource(text)).flatten(),
         _ => fields.read("bit", value::bit),
     };
     bit.map_or(Categories::NONE, value::only)

@@ -10,7 +10,7 @@ use std::io;
 use faregate_agents::Categories;
 use faregate_tickets::amount::Milliwatts;
 use quick_xml::Writer;
-use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
+use quick_xml::events::{BytesDecl, Event};
 
 use crate::file::Document;
 use crate::file::names::Names;
@@ -42,16 +42,24 @@ pub(super) fn text(root: &Element<'_>) -> String {
     text
 }
 
+/// So many attributes stand on a line.
+const ON_A_LINE: usize = 7;
+
 /// No element is nested deeply enough for this to be a worry.
 fn put(element: &Element<'_>, writer: &mut Writer<Vec<u8>>) -> io::Result<()> {
-    let attributes = element.attributes.iter().map(|one| (&*one.name, &*one.value));
-    let tag = BytesStart::new(&*element.name).with_attributes(attributes);
-    if element.children.is_empty() {
-        return writer.write_event(Event::Empty(tag));
+    let mut tag = writer.create_element(&*element.name);
+    for (number, one) in element.attributes.iter().enumerate() {
+        let full = number > 0 && number % ON_A_LINE == 0;
+        tag = if full { tag.new_line() } else { tag };
+        tag = tag.with_attribute((&*one.name, &*one.value));
     }
-    writer.write_event(Event::Start(tag))?;
-    element.children.iter().try_for_each(|child| put(child, writer))?;
-    writer.write_event(Event::End(BytesEnd::new(&*element.name)))
+    if element.children.is_empty() {
+        return tag.write_empty().map(|_| ());
+    }
+    let children = |writer: &mut Writer<Vec<u8>>| {
+        element.children.iter().try_for_each(|child| put(child, writer))
+    };
+    tag.write_inner_content(children).map(|_| ())
 }
 
 /// An element that is being made.
