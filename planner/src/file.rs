@@ -27,8 +27,12 @@ pub mod binary;
 mod check;
 mod difference;
 mod fields;
+#[cfg(test)]
+mod generated;
 mod names;
 mod read;
+#[cfg(test)]
+mod round_trip;
 mod schema;
 mod show;
 pub mod template;
