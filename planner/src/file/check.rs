@@ -14,10 +14,15 @@ pub(super) use plan::plan;
 pub(super) use state::state;
 pub(super) use together::together;
 
-use faregate_scheduler::format::Rule;
 use faregate_scheduler::format::reading::{Report, Wrong};
+use faregate_scheduler::format::{Diagnostic, Rule};
 
 use crate::file::xml::Element;
+
+/// Whether no error was told since so many things were found.
+fn clean(report: &Report<'_>, before: usize) -> bool {
+    !report.found.iter().skip(before).any(Diagnostic::is_error)
+}
 
 /// What is told about one element.
 struct About<'e, 'r, 's> {

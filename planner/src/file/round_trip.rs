@@ -71,7 +71,8 @@ fn generated_documents_with_every_field_are_the_same_after_each_way() {
 
 #[test]
 fn every_flipped_bit_and_every_truncation_of_a_compact_file_is_refused() {
-    let mut runner = TestRunner::new(Config { cases: 6, failure_persistence: None, ..Config::default() });
+    let mut runner =
+        TestRunner::new(Config { cases: 6, failure_persistence: None, ..Config::default() });
     let run = runner.run(&three(), |(parameters, plan, state)| {
         let documents =
             [Document::Plan(plan), Document::State(state), Document::Parameters(parameters)];

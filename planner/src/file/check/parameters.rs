@@ -3,7 +3,7 @@
 use faregate_scheduler::format::Rule;
 use faregate_scheduler::format::reading::Report;
 
-use crate::file::check::{About, overflow};
+use crate::file::check::{About, clean, overflow};
 use crate::file::read::Placed;
 use crate::file::{schema, show, times};
 use crate::parameters::{Parameters, Zone};
@@ -42,7 +42,7 @@ pub(in crate::file) fn parameters(
             about.error("initial", Rule::Limits, "its first value is out of range", "min to max");
         }
     }
-    if report.found.len() == before {
+    if clean(report, before) {
         overflow::parameters(value, root, report);
     }
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use faregate_scheduler::format::Rule;
 use faregate_scheduler::format::reading::Report;
 
-use crate::file::check::{About, activity, dependencies, overflow};
+use crate::file::check::{About, activity, clean, dependencies, overflow};
 use crate::file::names::Names;
 use crate::file::read::{Placed, PlanPlaces};
 use crate::plan::{Activity, Kind, Plan};
@@ -28,7 +28,7 @@ pub(in crate::file) fn plan(plan: &Placement<'_>, names: &Names<'_>, report: &mu
     dependencies::dependencies(plan, report);
     groups(plan, report);
     blocks(plan, report);
-    if report.found.len() == before {
+    if clean(report, before) {
         overflow::plan(plan, report);
     }
 }

@@ -4,7 +4,7 @@ use faregate_scheduler::format::Rule;
 use faregate_scheduler::format::reading::Report;
 use faregate_tickets::amount::Microjoules;
 
-use crate::file::check::{About, overflow};
+use crate::file::check::{About, clean, overflow};
 use crate::file::read::Placed;
 use crate::file::schema;
 use crate::file::xml::Element;
@@ -39,7 +39,7 @@ pub(in crate::file) fn state(state: &Placed<'_, State, ()>, report: &mut Report<
             about.error_at(element, "paused", Rule::Window, message, "not before started");
         }
     }
-    if report.found.len() == before {
+    if clean(report, before) {
         overflow::state(value, root, report);
     }
 }
