@@ -28,9 +28,12 @@ pub fn reference(
     let scene = Scene::new(plan, parameters, state, incumbent);
     let mut pass = Pass { world: World::base(&scene), scene: &scene, excess: Vec::new() };
     let order = order(&scene);
-    while pass.round(&order) {}
-    for index in &order {
-        pass.expand(*index);
+    // What was expanded drains more, so that one that was left out may fit.
+    while pass.round(&order) {
+        while pass.round(&order) {}
+        for index in &order {
+            pass.expand(*index);
+        }
     }
     pass.answer()
 }

@@ -91,9 +91,10 @@ pub(crate) fn longer<'a>(
     let slot = Placed { end, ..slot };
     let placed = world.placed.iter().map(|p| if p.index == index { slot } else { *p }).collect();
     let with = World::new(scene, placed);
-    let mandatory = !scene.is_optional(index);
-    let free = broken(scene, before, &with, &slot).is_none()
-        && !(mandatory && !excesses(scene, before, &with).is_empty());
+    // Only the minimum is mandatory; and a downlink that ends later leaves less
+    // room until then.
+    let free =
+        broken(scene, before, &with, &slot).is_none() && excesses(scene, before, &with).is_empty();
     (within && free && slot.how == How::Chosen).then_some(with)
 }
 

@@ -85,10 +85,12 @@ fn sleeps(given: &Given<'_>, rules: &Rules) -> Vec<Violation> {
         _ => None,
     };
     let phases = &given.world.phases;
-    let unavoidable = given.base.flaws.iter().any(|flaw| flaw.index.is_none())
-        || i128::from(given.scene.state.charge.get()) > rules.most;
-    let first = since.zip(phases.first()).filter(|_| !unavoidable);
-    let first = first.map(|(since, phase)| (since, phase.wakeup));
+    // A sleep in progress ends early where the world does not ask, or where the
+    // battery is as full as it may be in a sleep.
+    let unasked = given.base.flaws.iter().any(|flaw| flaw.index.is_none());
+    let room = |at: i64| rules.most - given.world.charge.at(at);
+    let first = since.zip(phases.first()).map(|(since, phase)| (since, phase.wakeup));
+    let first = first.filter(|(_, wakeup)| !unasked && room(*wakeup) >= rules.surplus);
     let between = phases.windows(2).map(|pair| (pair[0].asleep, pair[1].wakeup));
     let manual = |at: i64| rules.blocks.iter().any(|(start, _)| *start == at);
     let between = between.filter(|(asleep, _)| !manual(*asleep));
@@ -102,9 +104,8 @@ fn sleeps(given: &Given<'_>, rules: &Rules) -> Vec<Violation> {
 
 /// No sleep goes past the maximum.
 fn full(given: &Given<'_>, rules: &Rules) -> Vec<Violation> {
-    let charge = given.world.charge.negated();
     let past = given.sleeps().into_iter().filter_map(|(from, to)| {
-        let (at, by) = charge.first_below(-rules.most, None, (from, to))?;
+        let (at, by) = given.world.charge.first_above(rules.most, (from, to))?;
         // Too full at the begin of a plan that begins asleep: it wakes at once.
         (to > from).then(|| Violation::new(Rule::Full, None, at).by(by))
     });

@@ -110,6 +110,15 @@ impl Curve {
         })
     }
 
+    /// The first instant in [from, to] at which it is above `most`: and by how
+    /// much.
+    pub(crate) fn first_above(&self, most: i128, within: (i64, i64)) -> Option<(i64, i128)> {
+        // What cannot hold more than that is never above it; and where it is
+        // above it, being full does not matter.
+        let at = self.negated().first_below(-most, None, within).filter(|_| most < self.capacity);
+        at.map(|(at, _)| (at, self.at(at) - most))
+    }
+
     /// The first such instant in [from, to], in which neither rate changes
     /// other than by a battery being full.
     fn below_in(&self, from: i64, to: i64, least: i128, without: Option<&Self>) -> Option<i64> {

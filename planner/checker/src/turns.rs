@@ -23,7 +23,11 @@ pub(crate) fn check(given: &Given<'_>) -> Vec<Violation> {
         if waiting.is_empty() {
             return listed(given, &excess);
         }
-        if waiting.len() == before {
+        // What fits only now may have needed the others at their full length.
+        let expanded = expanded(given, &world);
+        if waiting.len() == before && expanded != world.placed {
+            world = World::new(given.scene, expanded);
+        } else if waiting.len() == before {
             return waiting.iter().map(|slot| refused(given, &world, slot)).collect();
         }
     }
@@ -34,6 +38,12 @@ fn slot(given: &Given<'_>, index: usize) -> Option<Placed> {
     let placed = given.world.find(index)?;
     let length = given.scene.activity(index).placed().get();
     Some(chosen(index, placed.start, placed.start + length))
+}
+
+/// Those placed so far, as long as they last in the end.
+fn expanded(given: &Given<'_>, world: &World<'_>) -> Vec<Placed> {
+    let last = |placed: &Placed| given.world.find(placed.index).copied().unwrap_or(*placed);
+    world.placed.iter().map(last).collect()
 }
 
 /// Whether it is valid now.
