@@ -171,7 +171,8 @@ impl Walk<'_> {
             let charge = self.flow.run(self.charge, up, down, awake);
             let charge = self.flow.run(charge, down, down + shutdown, shutting);
             let sleep = self.rules.min_sleep.min(end - down - shutdown).max(0);
-            charge + i128::from(sleep) * self.rules.surplus <= self.rules.most
+            let full = charge + i128::from(sleep) * self.rules.surplus;
+            full.min(self.flow.capacity()) <= self.rules.most
         };
         let mut cuts: Vec<i64> = self.flow.instants().flat_map(|at| [at, at - shutdown]).collect();
         cuts.extend([from, to, end - shutdown - self.rules.min_sleep]);
@@ -192,7 +193,7 @@ impl Walk<'_> {
         let need = self.needs.get(self.next).copied();
         let until = need.map_or(rules.end, |need| self.begins(need) - rules.wakeup);
         let full = self.flow.full(self.charge, from, until.max(from), rules.most);
-        if let Some(full) = full.filter(|full| *full < until) {
+        if let Some(full) = full.filter(|full| *full <= until) {
             return self.wake_full(full, from, first);
         }
         let Some(need) = need else { return Place::Over };

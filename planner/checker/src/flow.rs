@@ -15,6 +15,10 @@ impl Flow {
         Self { net, capacity }
     }
 
+    pub(crate) const fn capacity(&self) -> i128 {
+        self.capacity
+    }
+
     pub(crate) fn instants(&self) -> impl Iterator<Item = i64> {
         self.net.instants()
     }

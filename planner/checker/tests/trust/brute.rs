@@ -7,7 +7,7 @@ use faregate_planner::units::Time;
 use crate::worlds::{TINY, World, world};
 
 /// What is wrong with a plan, by all that the checker knows.
-pub fn wrong(world: &World, timed: &TimedPlan, effort: Effort) -> Vec<String> {
+pub(crate) fn wrong(world: &World, timed: &TimedPlan, effort: Effort) -> Vec<String> {
     let World { plan, parameters, state } = world;
     let mut all = check(plan, parameters, state, None, timed, effort);
     all.extend(check_turns(plan, parameters, state, None, timed));
@@ -33,12 +33,12 @@ fn what_the_slowest_planner_makes_keeps_every_rule() {
 }
 
 /// So many, or as many as `SEEDS` says.
-pub fn seeds(usual: u64) -> u64 {
+pub(crate) fn seeds(usual: u64) -> u64 {
     std::env::var("SEEDS").ok().and_then(|seeds| seeds.parse().ok()).unwrap_or(usual)
 }
 
 /// A world and its plan, in few lines.
-pub fn told(world: &World, timed: &TimedPlan) -> String {
+pub(crate) fn told(world: &World, timed: &TimedPlan) -> String {
     let World { plan, parameters, state } = world;
     let awake: Vec<_> =
         timed.awake.iter().map(|p| [p.wakeup, p.up, p.down, p.asleep].map(Time::get)).collect();

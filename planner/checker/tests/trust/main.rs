@@ -2,4 +2,5 @@
 //! by lines that the planner has no part in.
 
 mod brute;
+mod planner;
 mod worlds;

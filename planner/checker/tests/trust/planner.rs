@@ -1,0 +1,88 @@
+//! The planner, against the slowest planner and against the checker.
+
+use faregate_checker::{Effort, reference};
+use faregate_planner::timed::{AwakePhase, Fate, Reason, TimedPlan};
+use faregate_planner::units::Time;
+use faregate_planner::{Problem, schedule};
+
+use crate::brute::{seeds, told, wrong};
+use crate::worlds::{DAY, TINY, World, world};
+
+/// What the planner answers.
+pub(crate) fn planned(world: &World) -> TimedPlan {
+    let World { plan, parameters, state } = world;
+    let problem = Problem::new(plan, parameters, state);
+    schedule(&problem.unwrap_or_else(|unfit| panic!("unfit: {unfit:?}")), None)
+}
+
+/// A plan without its reasons: of several that are true at once, or at
+/// different turns.
+fn bare(timed: &TimedPlan) -> TimedPlan {
+    let mut timed = timed.clone();
+    for row in &mut timed.rows {
+        if let Fate::Out(reason) = &mut row.fate {
+            *reason = Reason::NoRangeLeft;
+        }
+    }
+    timed
+}
+
+#[test]
+fn in_small_worlds_it_answers_what_trying_every_start_answers() {
+    let mut differing = Vec::new();
+    let count = seeds(600);
+    for seed in 0..count {
+        let world = world(seed, TINY);
+        let World { plan, parameters, state } = &world;
+        let slow = reference(plan, parameters, state, None);
+        let fast = planned(&world);
+        if bare(&fast) != bare(&slow) {
+            differing.push((seed, world, fast, slow));
+        }
+    }
+    for (seed, world, fast, slow) in &differing {
+        println!("seed {seed}: {}", difference(world, fast, slow));
+    }
+    let only = std::env::var("SEED").ok().and_then(|seed| seed.parse::<u64>().ok());
+    let first = differing.iter().find(|(seed, ..)| only.is_none_or(|only| only == *seed));
+    let Some((seed, world, fast, slow)) = first else { return };
+    panic!("{} of {count} differ; seed {seed}: {}{}", differing.len(), told(world, slow), {
+        difference(world, fast, slow)
+    });
+}
+
+/// Where two plans differ first, and what the checker says of the first one.
+fn difference(world: &World, fast: &TimedPlan, slow: &TimedPlan) -> String {
+    let rows = fast.rows.iter().zip(&slow.rows).filter(|(a, b)| a != b);
+    let rows: Vec<String> =
+        rows.map(|(a, b)| format!("\n  {} {:?}, but {:?}", a.id, a.fate, b.fate)).collect();
+    let awake = |timed: &TimedPlan| -> Vec<[i64; 4]> {
+        let ms = |p: &AwakePhase| [p.wakeup, p.up, p.down, p.asleep].map(Time::get);
+        timed.awake.iter().map(ms).collect()
+    };
+    let (a, b) = (awake(fast), awake(slow));
+    let heated: Vec<_> = [&fast.preheats, &slow.preheats].map(|p| format!("{p:?}")).into();
+    let wrong = wrong(world, fast, Effort { grid: 200 });
+    let mut told = format!("{}\n  wrong: {wrong:?}", rows.join(""));
+    if a != b {
+        told += &format!("\n  awake {a:?}, but {b:?}");
+    }
+    if heated[0] != heated[1] {
+        told += &format!("\n  heated {}, but {}", heated[0], heated[1]);
+    }
+    if fast.excess != slow.excess || fast.unavoidable != slow.unavoidable {
+        told += &format!("\n  {:?} {:?}", fast.excess, fast.unavoidable);
+        told += &format!(", but {:?} {:?}", slow.excess, slow.unavoidable);
+    }
+    told
+}
+
+#[test]
+fn thousands_of_days_keep_every_rule() {
+    for seed in 0..seeds(300) {
+        let world = world(seed, DAY);
+        let timed = planned(&world);
+        let wrong = wrong(&world, &timed, Effort::default());
+        assert_eq!(wrong, [""; 0], "seed {seed}: {}", told(&world, &timed));
+    }
+}
