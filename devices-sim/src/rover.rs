@@ -171,6 +171,12 @@ impl Rover {
         self.now(|world, _| world.windows().to_vec())
     }
 
+    /// Whether anything runs in a place: what a sensor at it says.
+    #[must_use]
+    pub fn place_is_on(&self, place: usize) -> bool {
+        self.now(|world, _| world.place_is_on(place))
+    }
+
     /// How things really stand.
     #[must_use]
     pub fn truth(&self) -> RoverTruth {

@@ -55,6 +55,10 @@ impl World {
         self.runs.get(&key).map_or(0, |run| run.data())
     }
 
+    pub(crate) fn place_is_on(&self, place: usize) -> bool {
+        self.runs.values().any(|run| run.spec.place == place && !run.stopped)
+    }
+
     pub(super) fn time_of_day(&self) -> Duration {
         let us = self.model.time_of_day.as_micros().saturating_add(self.now.as_micros());
         Duration::from_micros(us % self.model.day.as_micros().max(1))

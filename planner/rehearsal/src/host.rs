@@ -1,0 +1,194 @@
+//! The host of a control thread: the rover, the agents, and the clock between
+//! them.
+
+use std::collections::{BTreeMap, VecDeque};
+
+use faregate_devices_sim::SimClock;
+use faregate_devices_sim::rover::{Rover, RoverTruth};
+use faregate_planner::execute::{Control, Event};
+use faregate_planner::state::{Mode, Window};
+use faregate_planner::trace::{Entry, Happened, Trace, Why};
+use faregate_planner::units::{Span, Time};
+use faregate_planner::{ActivityId, TimedPlan};
+use faregate_tickets::clock::{Clock, Instant};
+
+use crate::draws::Draws;
+use crate::station::{Seat, Station, SwitchTicket};
+use crate::{LEAD, NotRehearsed, Planner, Setup, model};
+
+/// How many events at one instant are too many.
+const MOST_EVENTS: usize = 10_000;
+
+pub(crate) struct Host<'h, 'b, 'g> {
+    pub(crate) setup: &'h Setup,
+    pub(crate) rover: Rover,
+    pub(crate) clock: SimClock,
+    pub(crate) station: Station<'b, 'g>,
+    pub(crate) control: Control,
+    pub(crate) draws: Draws,
+    watch: &'h mut dyn FnMut(&Entry),
+    pub(crate) trace: Trace,
+    pub(crate) events: VecDeque<Event>,
+    pub(crate) seats: BTreeMap<ActivityId, Held<'b, 'g>>,
+    pub(crate) windows: BTreeMap<usize, Seat<'b, 'g>>,
+    pub(crate) heaters: BTreeMap<usize, Heater<'b, 'g>>,
+    pub(crate) computer: Computer<'b, 'g>,
+    /// Somebody else's tickets, by the place of the mishap in the script.
+    pub(crate) others: BTreeMap<usize, Option<Seat<'b, 'g>>>,
+    /// The windows as the communication behaviour has them.
+    pub(crate) known: Vec<Window>,
+    last_truth: Option<RoverTruth>,
+    /// Nothing follows: the next plan took over.
+    pub(crate) handed_over: bool,
+}
+
+/// The tickets of an activity.
+pub(crate) struct Held<'b, 'g> {
+    pub(crate) seat: Seat<'b, 'g>,
+    /// Its sequence was started.
+    pub(crate) started: bool,
+}
+
+/// The ticket of a heater that is to be on.
+pub(crate) struct Heater<'b, 'g> {
+    pub(crate) ticket: SwitchTicket<'b, 'g>,
+    pub(crate) on: bool,
+}
+
+/// The computer's tickets: for its switch, and for what it draws in its phase.
+#[derive(Default)]
+pub(crate) struct Computer<'b, 'g> {
+    pub(crate) ticket: Option<SwitchTicket<'b, 'g>>,
+    pub(crate) phase: Option<Seat<'b, 'g>>,
+    /// A wakeup or a shutdown that waits for its ticket, and how long it takes.
+    pub(crate) pending: Option<(Mode, Span)>,
+}
+
+impl<'h, 'b, 'g> Host<'h, 'b, 'g> {
+    pub(crate) fn new(
+        setup: &'h Setup,
+        rover: Rover,
+        clock: SimClock,
+        station: Station<'b, 'g>,
+        first: TimedPlan,
+        watch: &'h mut dyn FnMut(&Entry),
+    ) -> Self {
+        let (plan, parameters) = (setup.plan.clone(), setup.parameters.clone());
+        let state = setup.state.clone();
+        let planned = Happened::Planned {
+            why: vec![Why::First],
+            state: Box::new(state.clone()),
+            timed: Box::new(first.clone()),
+        };
+        let senses = setup.senses;
+        let lag = (senses.period.as_micros() + senses.lag.as_micros()) / 1_000;
+        let trace = Trace {
+            begin: state.now,
+            end: plan.end,
+            is_static: !setup.options.replans,
+            charge_lag: Span::new(i64::try_from(lag).unwrap_or(i64::MAX)),
+            charge_noise: senses.charge_noise,
+            windows: state.windows.clone(),
+            entries: Vec::new(),
+        };
+        let mut host = Self {
+            rover,
+            clock,
+            station,
+            draws: setup.draws.clone(),
+            watch,
+            trace,
+            events: VecDeque::new(),
+            seats: BTreeMap::new(),
+            windows: BTreeMap::new(),
+            heaters: BTreeMap::new(),
+            computer: Computer::default(),
+            others: BTreeMap::new(),
+            known: state.windows.clone(),
+            last_truth: None,
+            handed_over: false,
+            control: Control::new(plan, parameters, state, first, setup.options),
+            setup,
+        };
+        host.note(planned);
+        host
+    }
+
+    pub(crate) fn run(mut self, planner: &mut dyn Planner) -> Result<Trace, NotRehearsed> {
+        self.begin();
+        loop {
+            self.settle(planner)?;
+            self.note_truth();
+            if self.control.is_over() || self.handed_over {
+                break;
+            }
+            let next = self.next().ok_or(NotRehearsed::StandsStill)?;
+            self.clock.advance_to(next);
+        }
+        self.trace.end = self.now();
+        self.trace.windows = self.known.clone();
+        Ok(self.trace)
+    }
+
+    /// Everything that happens at this instant, and what follows from it.
+    fn settle(&mut self, planner: &mut dyn Planner) -> Result<(), NotRehearsed> {
+        let mut ticked = false;
+        for _ in 0..MOST_EVENTS {
+            self.station.sense();
+            self.station.service();
+            self.poll();
+            let event = match self.events.pop_front() {
+                Some(event) => event,
+                None if !ticked => {
+                    ticked = true;
+                    Event::Tick
+                }
+                None => return Ok(()),
+            };
+            let actions = self.control.step(self.now(), event);
+            for action in actions {
+                self.perform(action, planner)?;
+            }
+        }
+        Err(NotRehearsed::StandsStill)
+    }
+
+    /// When something happens next: whole milliseconds, after now.
+    fn next(&mut self) -> Option<Instant> {
+        let now = self.clock.now();
+        let of_agents = self.station.service();
+        let of_control = self.control.due().map(|at| model::instant(self.setup, at));
+        let candidates = [of_agents, of_control, self.rover.next_event()]
+            .into_iter()
+            .chain([self.station.next_sensed(), self.next_of_script()])
+            .flatten();
+        let whole = candidates.map(whole_milliseconds);
+        let least = Instant::from_micros(now.as_micros().saturating_add(1));
+        whole.map(|at| at.max(whole_milliseconds(least))).min()
+    }
+
+    pub(crate) fn now(&self) -> Time {
+        model::time(self.setup, self.clock.now())
+    }
+
+    pub(crate) fn note(&mut self, what: Happened) {
+        let entry = Entry { at: self.now(), what };
+        (self.watch)(&entry);
+        self.trace.entries.push(entry);
+    }
+
+    fn note_truth(&mut self) {
+        let truth = self.rover.truth();
+        let key = |truth: &RoverTruth| (truth.load, truth.peak, truth.engines);
+        if self.last_truth.as_ref().map(key) != Some(key(&truth)) {
+            let noted = crate::record::truth(&truth);
+            self.note(Happened::Truth(noted));
+            self.last_truth = Some(truth);
+        }
+    }
+}
+
+fn whole_milliseconds(at: Instant) -> Instant {
+    let us = at.as_micros().saturating_sub(LEAD.as_micros());
+    Instant::from_micros(us.div_ceil(1_000).saturating_mul(1_000)).after(LEAD)
+}
