@@ -1,19 +1,20 @@
 //! `plan make`: from a plan, parameters and a state to a timed plan.
 
 mod document;
-mod search;
 mod table;
 
-use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
+use faregate_checker::Effort;
 use faregate_planner::picture::{self, Scene};
 use faregate_planner::plan::Kind;
-use faregate_planner::project::project;
+use faregate_planner::problem::Unfit;
 use faregate_planner::timed::{Fate, Projection, Reason, Row};
 use faregate_planner::words::Words;
-use faregate_planner::{Activity, ActivityId, Parameters, Plan, Problem, State, TimedPlan};
+use faregate_planner::{
+    Activity, ActivityId, Parameters, Plan, Problem, State, TimedPlan, project, schedule,
+};
 
 use crate::args::{PlanMakeArgs, TableFormat};
 use crate::exit::{Exit, Failure};
@@ -23,6 +24,12 @@ use crate::plan::input::{self, Inputs};
 /// Some mandatory activities are left out. The words were right all the same:
 /// the number is that of wrong usage, and standard output tells them apart.
 const SOME_OUT: Exit = Exit::Usage;
+
+/// In plans of so many activities the checker looks for starts in sleeps, too:
+/// it derives everything anew for each start that it tries.
+const LOOKED_AT: usize = 100;
+/// How many starts it tries in each stretch.
+const GRID: u32 = 4;
 
 /// A timed plan, and what there is to say of it.
 #[derive(Debug)]
@@ -34,19 +41,18 @@ struct Made {
     projection: Projection,
     /// By the independent checker. There is none, or else the planner is wrong.
     violations: Vec<String>,
-    explanations: Option<BTreeMap<ActivityId, Vec<String>>>,
 }
 
 pub(super) fn make(args: &PlanMakeArgs) -> Result<Exit, Failure> {
-    let Inputs { plan, parameters, state } = input::read(&args.plan, &args.parameters, &args.state)?;
+    let Inputs { plan, parameters, state } =
+        input::read(&args.plan, &args.parameters, &args.state)?;
     let problem = Problem::new(&plan, &parameters, &state).map_err(|unfit| unfit_for(&unfit))?;
     let incumbent = args.incumbent.as_deref().map(incumbent).transpose()?;
-    let timed = search::best(&problem, incumbent.as_ref(), args)?;
+    let timed = schedule(&problem, incumbent.as_ref());
     let violations = violations(&plan, &parameters, &state, incumbent.as_ref(), &timed);
-    let explanations =
-        args.explain.then(|| search::explanations(&problem, incumbent.as_ref(), &plan, &parameters, &timed));
-    let projection = project(&plan, &parameters, &state, &timed);
-    let made = Made { plan, parameters, state, timed, projection, violations, explanations };
+    let projection = project(&plan, &parameters, &state, &timed)
+        .map_err(|unknown| Failure::failed(unknown.to_string()))?;
+    let made = Made { plan, parameters, state, timed, projection, violations };
     write(args, &made)?;
     match args.format {
         TableFormat::Json => out::json(&document::document(&made))?,
@@ -55,7 +61,7 @@ pub(super) fn make(args: &PlanMakeArgs) -> Result<Exit, Failure> {
     Ok(made.exit())
 }
 
-fn unfit_for(unfit: &[faregate_planner::Unfit]) -> Failure {
+fn unfit_for(unfit: &[Unfit]) -> Failure {
     let all: Vec<String> = unfit.iter().map(ToString::to_string).collect();
     Failure::failed(format!("nothing can be planned: {}", all.join("; ")))
 }
@@ -67,7 +73,8 @@ fn violations(
     incumbent: Option<&TimedPlan>,
     timed: &TimedPlan,
 ) -> Vec<String> {
-    let found = faregate_checker::check(plan, parameters, state, incumbent, timed);
+    let effort = Effort { grid: if plan.activities.len() > LOOKED_AT { 0 } else { GRID } };
+    let found = faregate_checker::check(plan, parameters, state, incumbent, timed, effort);
     found.iter().map(ToString::to_string).collect()
 }
 

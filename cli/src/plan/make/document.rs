@@ -19,9 +19,6 @@ pub(super) struct Document {
     violations: Vec<String>,
     excess: Vec<Exceeded>,
     unavoidable: Vec<Exceeded>,
-    /// Asked for alone.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    explanations: Option<BTreeMap<u32, Vec<String>>>,
 }
 
 #[derive(Debug, Serialize)]
@@ -62,12 +59,16 @@ pub(super) fn document(made: &Made) -> Document {
     let words = made.words();
     Document {
         activities: made.timed.rows.iter().map(|row| activity(made, row, &words)).collect(),
-        awake: made.timed.awake.iter().map(|phase| (Seconds(phase.wakeup), Seconds(phase.asleep))).collect(),
+        awake: made
+            .timed
+            .awake
+            .iter()
+            .map(|phase| (Seconds(phase.wakeup), Seconds(phase.asleep)))
+            .collect(),
         timelines: timelines(&made.projection),
         violations: made.violations.clone(),
         excess: exceeded(&made.timed.excess, &words),
         unavoidable: exceeded(&made.timed.unavoidable, &words),
-        explanations: made.explanations.as_ref().map(|all| all.iter().map(|(id, said)| (id.get(), said.clone())).collect()),
     }
 }
 
@@ -80,7 +81,13 @@ fn activity(made: &Made, row: &Row, words: &Words<'_>) -> Activity {
         Fate::Out(reason) => Some(words.reason(reason)),
         _ => None,
     };
-    Activity { id: row.id.get(), status: status(&row.fate), start_s: start.map(Seconds), end_s: end.map(Seconds), reason }
+    Activity {
+        id: row.id.get(),
+        status: status(&row.fate),
+        start_s: start.map(Seconds),
+        end_s: end.map(Seconds),
+        reason,
+    }
 }
 
 /// One word.

@@ -23,7 +23,6 @@ pub(super) fn print(made: &Made) -> io::Result<()> {
         let said = all.iter().map(|excess| words.excess(excess)).collect::<Vec<_>>();
         listed(heading, &said)?;
     }
-    listed("What would let them in", &explanations(made, &words))?;
     listed(&out::styled(out::BAD, "Violations"), &made.violations)?;
     out::line(format_args!("\n{}", verdict(made)))
 }
@@ -32,7 +31,8 @@ fn activities(made: &Made) -> Table {
     let words = made.words();
     let mut rows: Vec<&Row> = made.timed.rows.iter().collect();
     rows.sort_by_key(|row| when(made, row).map_or((true, Time::ZERO), |(start, _)| (false, start)));
-    let mut table = out::table(&["id", "activity", "priority", "status", "start", "end", "takes", "why"]);
+    let mut table =
+        out::table(&["id", "activity", "priority", "status", "start", "end", "takes", "why"]);
     for row in rows {
         let slot = when(made, row);
         let time = |at: Option<Time>| Cell::new(at.map_or_else(String::new, |at| words.time(at)));
@@ -100,11 +100,6 @@ fn awake(made: &Made) -> io::Result<()> {
         format!("{} from {} for {long}", preheat.zone, words.time(preheat.start))
     });
     listed("Heated", &heated.collect::<Vec<_>>())
-}
-
-fn explanations(made: &Made, words: &Words<'_>) -> Vec<String> {
-    let all = made.explanations.iter().flatten();
-    all.map(|(id, said)| format!("{}: {}", words.activity(*id), said.join("; "))).collect()
 }
 
 fn listed(heading: &str, lines: &[String]) -> io::Result<()> {

@@ -1,0 +1,54 @@
+//! Words of `plan make`.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+
+#[derive(Debug, Args)]
+#[command(after_help = MAKE_HELP)]
+pub(crate) struct PlanMakeArgs {
+    /// The plan: .xml, or its binary form.
+    #[arg(value_name = "PLAN")]
+    pub(crate) plan: PathBuf,
+    /// What only the ground changes: limits, powers, preheat tables.
+    #[arg(long, short, value_name = "FILE")]
+    pub(crate) parameters: PathBuf,
+    /// What is so now: charge, mode, communication windows, what has run.
+    #[arg(long, short, value_name = "FILE")]
+    pub(crate) state: PathBuf,
+    /// How the result is printed: a table, or a document.
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) format: TableFormat,
+    /// Draws the timed plan into this file.
+    #[arg(long, value_name = "OUT.svg")]
+    pub(crate) svg: Option<PathBuf>,
+    /// The timed plan that is executed now: what starts within the commit
+    /// window stays as it is.
+    #[arg(long, value_name = "TIMED.json")]
+    pub(crate) incumbent: Option<PathBuf>,
+    /// Writes the timed plan itself: for --incumbent, and for `plan run`.
+    #[arg(long, value_name = "TIMED.json")]
+    pub(crate) out: Option<PathBuf>,
+}
+
+const MAKE_HELP: &str = "\
+Exit codes:
+  0  every mandatory activity is scheduled
+  1  a file cannot be read, or has mistakes
+  2  some mandatory activities are left out (or wrong usage)
+
+Nothing is missed where a cleanup waits for a failure, or where another member
+of a single selection group was selected.
+
+Example:
+  faregate plan make sol.xml -p parameters.xml -s state.xml --svg sol.svg";
+
+/// How a timed plan is printed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(crate) enum TableFormat {
+    /// For people.
+    #[default]
+    Table,
+    /// For programs.
+    Json,
+}
