@@ -14,8 +14,8 @@ pub(crate) use offline::{
     AnalyzeArgs, CheckArgs, CompletionsArgs, ConflictColumn, ConvertArgs, FilesArgs, RunArgs,
 };
 pub(crate) use plan::{
-    PlanAction, PlanCheckArgs, PlanConvertArgs, PlanDiffArgs, PlanMakeArgs, PlanNewArgs, TableFormat,
-    TemplateName,
+    PlanAction, PlanCheckArgs, PlanConvertArgs, PlanDiffArgs, PlanMakeArgs, PlanNewArgs,
+    TableFormat, TemplateName,
 };
 
 /// The schedule manager: what runs when, on tickets.

@@ -30,9 +30,8 @@ fn fits(pass: &Pass<'_>, slot: Placement, optional: bool) -> bool {
     let battery = &problem.battery;
     let low = |at: i64| with.charge(at) < battery.soft && with.charge(at) < without.charge(at);
     let peak = |world: &World, at: i64| world.pieces[world.at(at)].peak;
-    let high = |at: i64| {
-        peak(&with, at) > problem.peak_limit && peak(&with, at) > peak(without, at)
-    };
+    let high =
+        |at: i64| peak(&with, at) > problem.peak_limit && peak(&with, at) > peak(without, at);
     let handover = problem.handover.filter(|_| optional).is_some_and(|at| {
         with.charge(at) < battery.handover && with.charge(at) < without.charge(at)
     });
