@@ -20,6 +20,8 @@
 //! | [`timed`] | what the planner answers |
 //! | [`timeline`] | what is used when, and where else something fits |
 //! | [`mod@project`] | what every timeline will be |
+//! | [`mod@schedule`] | the pass, and its improvement |
+//! | [`generate`] | plans drawn from a seed |
 //! | [`mod@file`] | plans, parameters and states in files |
 //! | [`execute`] | the control thread: dispatches, checks, aborts |
 //! | [`words`] | the same in words |
@@ -29,9 +31,11 @@
 #![forbid(unsafe_code)]
 
 mod derive;
+mod draws;
 mod energy;
 pub mod execute;
 pub mod file;
+pub mod generate;
 mod judge;
 pub mod parameters;
 pub mod picture;
@@ -51,7 +55,7 @@ pub use parameters::Parameters;
 pub use plan::{Activity, ActivityId, Plan};
 pub use problem::Problem;
 pub use project::project;
-pub use schedule::{schedule, schedule_in_order};
+pub use schedule::{Budget, Improved, Worth, improve, schedule, schedule_in_order};
 pub use state::State;
 pub use timed::TimedPlan;
 pub use trace::Trace;

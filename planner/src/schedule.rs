@@ -8,7 +8,12 @@
 mod answer;
 mod begin;
 mod expand;
+mod improve;
 mod place;
+mod worth;
+
+pub use improve::{Budget, Improved, improve};
+pub use worth::Worth;
 
 use crate::derive::{Placed, Placement, World};
 use crate::judge::Rest;

@@ -26,6 +26,27 @@ impl Pass<'_> {
         }
     }
 
+    /// Places it at this start, if it can start then. Whether it could.
+    pub(crate) fn turn_at(&mut self, item: usize, start: Time) -> bool {
+        if self.slots[item].is_some() || !self.problem.items[item].is_candidate() {
+            return false;
+        }
+        self.effort.candidates += 1;
+        let after = self.after(item).and_then(|earliest| self.group(item).map(|()| earliest));
+        let Ok(earliest) = after else { return false };
+        let within = (start, start);
+        let fits = self.timelines.valid_starts(&self.claims[item], within);
+        let fits = fits.intersection(&self.left(item, earliest));
+        let optional = !self.problem.items[item].mandatory;
+        let mut effort = self.effort;
+        let found = self.rest().earliest(item, &fits, optional, &mut effort);
+        self.effort = effort;
+        if let Some(start) = found {
+            self.place(item, self.slot(item, start));
+        }
+        found.is_some()
+    }
+
     /// When it can start first.
     fn find(&mut self, item: usize) -> Result<Slot, Reason> {
         let earliest = self.after(item)?;
