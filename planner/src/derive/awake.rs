@@ -308,7 +308,11 @@ impl<'a, 'w, W: Watch> Sweep<'a, 'w, W> {
     /// The last instant of a sleep at which the charge is not above the
     /// maximum, where it comes above it until then.
     fn full(&mut self, mut cursor: Cursor, until: Var) -> Option<Var> {
-        let max = Var::fixed(self.problem.battery.max);
+        let battery = self.problem.battery;
+        if battery.max >= battery.capacity {
+            return None;
+        }
+        let max = Var::fixed(battery.max);
         if self.reach.lt(max, cursor.charge) {
             return Some(cursor.at);
         }

@@ -64,7 +64,11 @@ impl<W: Watch> Sweep<'_, '_, W> {
         let left = self.end().minus(until);
         let sleep = self.min(left, Var::fixed(computer.min_sleep));
         let gain = sleep.times(battery.idle.max(0));
-        let over = asleep.charge.plus(gain).later(-battery.max);
+        let mut over = asleep.charge.plus(gain).later(-battery.max);
+        // A full battery is not above a maximum that is all it can hold.
+        if battery.max >= battery.capacity {
+            over = Var::fixed(0);
+        }
         Try { down, asleep, over }
     }
 

@@ -22,7 +22,7 @@ pub(crate) enum Kind {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Broken {
     pub(crate) kind: Kind,
-    /// When first.
+    /// When it is broken by the most; of several such instants the first.
     pub(crate) at: i64,
     /// By how much then.
     pub(crate) amount: i64,
@@ -65,9 +65,15 @@ impl<'a> Look<'a> {
         self.broken_for = self.broken_for.max(Some(shift));
     }
 
+    /// Of each kind the first that is broken by the most.
     fn lists(&mut self, kind: Kind, at: i64, amount: i64) {
-        if self.lists && !self.list.iter().any(|broken| broken.kind == kind) {
-            self.list.push(Broken { kind, at, amount });
+        if !self.lists {
+            return;
+        }
+        match self.list.iter_mut().find(|broken| broken.kind == kind) {
+            Some(broken) if amount > broken.amount => *broken = Broken { kind, at, amount },
+            Some(_) => {}
+            None => self.list.push(Broken { kind, at, amount }),
         }
     }
 

@@ -1,6 +1,6 @@
 //! Expanding activities are made longer, each as far as everything stays valid.
 
-use crate::derive::{Placement, World};
+use crate::derive::Placement;
 use crate::timed::Slot;
 use crate::timeline::Claim;
 use crate::units::{Span, Time};
@@ -29,7 +29,8 @@ impl Pass<'_> {
         }
         self.placed.remove(self.problem, Placement { item, start, end });
         self.timelines.remove(&self.claims[item], slot.start);
-        self.world = World::of(self.problem, &self.placed);
+        // The world is still that in which it has its present length: what
+        // is compared with.
         let last = self.last_on_timelines(item, slot, last);
         let mut effort = self.effort;
         let last = self.rest().latest_end(item, start, (end, last), &mut effort);

@@ -19,13 +19,9 @@ impl Look<'_> {
         let Some((first, last)) = self.below(segment) else {
             return self.must_not_move(segment, reach);
         };
-        let Some((worst, first)) = self.worse(segment, first, last) else {
+        let Some(worst) = self.worse(segment, first, last) else {
             return self.must_not_move(segment, reach);
         };
-        if self.lists {
-            let charge = segment.first.at + segment.net * (first - segment.from.at);
-            self.lists(Kind::Soft, first, soft - charge);
-        }
         let shift = [
             self.stays_worse(segment.from, segment.first),
             self.stays_worse(segment.to, segment.last),
@@ -49,30 +45,30 @@ impl Look<'_> {
     }
 
     /// Where the charge is lowest in comparison with the world without the
-    /// candidate, and the first instant at which it is lower.
-    fn worse(&self, segment: &Segment, first: i64, last: i64) -> Option<(i64, i64)> {
-        let pieces = self.world.at(first)..=self.world.at(last);
-        let less = |piece: usize, at: i64| {
-            let charge = segment.first.at + segment.net * (at - segment.from.at);
-            self.world.charge_in(piece, at) - charge
-        };
+    /// candidate, if it is lower anywhere.
+    fn worse(&mut self, segment: &Segment, first: i64, last: i64) -> Option<i64> {
+        let world = self.world;
+        let charge = |at: i64| segment.first.at + segment.net * (at - segment.from.at);
+        let less = |piece: usize, at: i64| world.charge_in(piece, at) - charge(at);
         let mut worst: Option<(i64, i64)> = None;
-        let mut earliest = None;
-        for piece in pieces {
-            let from = first.max(self.world.pieces[piece].from);
-            let to = last.min(self.world.until(piece));
-            let (a, b) = self.world.cut(piece).unwrap_or((from, to));
+        for piece in world.at(first)..=world.at(last) {
+            let from = first.max(world.pieces[piece].from);
+            let to = last.min(world.until(piece));
+            let (a, b) = world.cut(piece).unwrap_or((from, to));
             for at in [from, a.clamp(from, to), b.clamp(from, to), to] {
                 let by = less(piece, at);
                 if by > 0 && worst.is_none_or(|(_, most)| by > most) {
                     worst = Some((at, by));
                 }
-                if by > 0 && earliest.is_none() && self.lists {
-                    earliest = Some(first_worse(from, at, |at| less(piece, at) > 0));
+                if by > 0 && self.lists {
+                    let is_worse = |at: i64| less(piece, at) > 0;
+                    for at in [first_worse(from, at, is_worse), last_worse(at, to, is_worse)] {
+                        self.lists(Kind::Soft, at, self.problem.battery.soft - charge(at));
+                    }
                 }
             }
         }
-        worst.map(|(at, _)| (at, earliest.unwrap_or(at)))
+        worst.map(|(at, _)| at)
     }
 
     /// By how much it can be shifted so that the charge at an end of the
@@ -136,6 +132,16 @@ fn first_worse(from: i64, to: i64, holds: impl Fn(i64) -> bool) -> i64 {
     while low < high {
         let middle = low + (high - low) / 2;
         if holds(middle) { high = middle } else { low = middle + 1 }
+    }
+    low
+}
+
+/// The last instant at which it holds, where it holds from `from` up to it.
+fn last_worse(from: i64, to: i64, holds: impl Fn(i64) -> bool) -> i64 {
+    let (mut low, mut high) = (from, to);
+    while low < high {
+        let middle = low + (high - low + 1) / 2;
+        if holds(middle) { low = middle } else { high = middle - 1 }
     }
     low
 }
