@@ -40,6 +40,9 @@ pub(crate) trait Watch {
     /// The next one. It is never empty at present.
     fn segment(&mut self, segment: &Segment, reach: &mut Reach);
 
+    /// One that is empty at present.
+    fn empty(&mut self, _from: Var, _to: Var, _reach: &mut Reach) {}
+
     /// Whether nothing that follows matters.
     fn is_done(&self, _reach: &Reach) -> bool {
         false
@@ -138,6 +141,8 @@ impl Energy<'_> {
             let peak = cursor.drawn.peak + computer.peak;
             let (from, first) = (cursor.at, cursor.charge);
             watch.segment(&Segment { from, to, first, last: charge, net, peak }, reach);
+        } else {
+            watch.empty(cursor.at, to, reach);
         }
         cursor.at = to;
         cursor.charge = charge;

@@ -62,7 +62,8 @@ impl<W: Watch> Sweep<'_, '_, W> {
         let battery = self.problem.battery;
         // A sleep that the plan's end cuts needs only what is left of it.
         let left = self.end().minus(until);
-        let sleep = self.min(left, Var::fixed(computer.min_sleep));
+        // A sleep of nothing would end at once, again and again.
+        let sleep = self.min(left, Var::fixed(computer.min_sleep.max(1)));
         let gain = sleep.times(battery.idle.max(0));
         let mut over = asleep.charge.plus(gain).later(-battery.max);
         // A full battery is not above a maximum that is all it can hold.

@@ -142,6 +142,13 @@ impl Watch for Look<'_> {
         self.soft(segment, reach);
     }
 
+    /// What is to be kept must still be kept in it, where it comes to last.
+    fn empty(&mut self, from: Var, to: Var, reach: &mut Reach) {
+        if self.keep {
+            let _ = reach.le(to, from);
+        }
+    }
+
     /// As soon as nothing that follows could say that it must be shifted
     /// further.
     fn is_done(&self, reach: &Reach) -> bool {

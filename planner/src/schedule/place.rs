@@ -20,7 +20,9 @@ impl Pass<'_> {
         match self.find(item) {
             Ok(slot) => self.place(item, slot),
             Err(reason) => {
-                self.reasons[item].get_or_insert(reason);
+                if !self.is_reason_true(item) {
+                    self.reasons[item] = Some(reason);
+                }
                 self.failed[item] = self.version;
             }
         }
@@ -45,6 +47,18 @@ impl Pass<'_> {
             self.place(item, self.slot(item, start));
         }
         found.is_some()
+    }
+
+    /// Whether there is one from an earlier turn that still is.
+    fn is_reason_true(&self, item: usize) -> bool {
+        match self.reasons[item] {
+            Some(Reason::PriorOut(prior)) => self.problem.items[item]
+                .after
+                .iter()
+                .any(|(at, on)| on.prior == prior && self.slots[*at].is_none()),
+            Some(_) => true,
+            None => false,
+        }
     }
 
     /// When it can start first.
