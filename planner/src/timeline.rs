@@ -153,7 +153,8 @@ impl Timelines {
         if let Some(part) = claim.over(1) {
             add(line, part, start, sign);
         }
-        if line.is_flat() {
+        // Also what is held from now to the end is flat.
+        if line.is_flat() && *line == unused() {
             self.bits.remove(&bit);
         }
     }
