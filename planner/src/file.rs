@@ -115,8 +115,8 @@ pub fn plan(
     parameters: Option<&Parameters>,
 ) -> Result<Loaded<Plan>, Vec<Diagnostic>> {
     only(name, "a plan", read(name, bytes, parameters)?, |document| match document {
-        Document::Plan(plan) => Ok(plan),
-        other => Err(other),
+        Document::Plan(plan) => Some(plan),
+        _ => None,
     })
 }
 
@@ -127,8 +127,8 @@ pub fn plan(
 /// Everything that is wrong with them, and that they are none.
 pub fn parameters(name: &str, bytes: &[u8]) -> Result<Loaded<Parameters>, Vec<Diagnostic>> {
     only(name, "parameters", read(name, bytes, None)?, |document| match document {
-        Document::Parameters(parameters) => Ok(parameters),
-        other => Err(other),
+        Document::Parameters(parameters) => Some(parameters),
+        _ => None,
     })
 }
 
@@ -143,8 +143,8 @@ pub fn state(
     parameters: Option<&Parameters>,
 ) -> Result<Loaded<State>, Vec<Diagnostic>> {
     only(name, "a state", read(name, bytes, parameters)?, |document| match document {
-        Document::State(state) => Ok(state),
-        other => Err(other),
+        Document::State(state) => Some(state),
+        _ => None,
     })
 }
 
@@ -200,11 +200,12 @@ fn only<T>(
     name: &str,
     wanted: &str,
     loaded: Loaded<Document>,
-    pick: impl FnOnce(Document) -> Result<T, Document>,
+    pick: impl FnOnce(Document) -> Option<T>,
 ) -> Result<Loaded<T>, Vec<Diagnostic>> {
     let Loaded { value, warnings } = loaded;
-    pick(value).map(|value| Loaded { value, warnings }).map_err(|other| {
-        let wrong = Wrong::new(Rule::Format, format!("this is {}", other.what()));
+    let is = value.what();
+    pick(value).map(|value| Loaded { value, warnings }).ok_or_else(|| {
+        let wrong = Wrong::new(Rule::Format, format!("this is {is}"));
         nowhere(name, wrong.expected(wanted))
     })
 }
