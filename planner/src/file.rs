@@ -32,6 +32,8 @@ mod generated;
 mod names;
 mod read;
 #[cfg(test)]
+mod reference;
+#[cfg(test)]
 mod round_trip;
 mod schema;
 mod show;
