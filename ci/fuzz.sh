@@ -9,7 +9,7 @@ usage() {
 Usage: ci/fuzz.sh [--help] [--seconds N | --minutes N] [--write] [TARGET...]
 
 Runs each target (all without arguments: txt csv toml values command control
-journal) for N seconds, 20 by default, as many at a time as there are
+journal xml compact) for N seconds, 20 by default, as many at a time as there are
 processors. Then prints which lines of the readers were reached by what was
 found, and fails below 90 of a hundred (only where all targets ran). --write
 puts the figures into docs/fuzzing.md.
@@ -35,7 +35,7 @@ while [[ $# -gt 0 ]]; do
     esac
     shift
 done
-all=(txt csv toml values command control journal)
+all=(txt csv toml values command control journal xml compact)
 [[ ${#targets[@]} -gt 0 ]] || targets=("${all[@]}")
 for target in "${targets[@]}"; do
     [[ -f fuzz/targets/$target.rs ]] || {
@@ -69,8 +69,9 @@ counters="-Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4
     -Cllvm-args=-sanitizer-coverage-trace-compares -Ccodegen-units=1 --cfg fuzzing"
 RUSTFLAGS=$counters build --release --target-dir "$out/counted" "${targets[@]/#/--bin=}"
 
-# The words of the reference, so that they need not be found letter by letter.
-tr '`' '\n' <docs/schedule-format.md | grep -E '^"?[][a-z_=A-Z0-9:" -]{2,24}$' | sort -u |
+# The words of the references, so that they need not be found letter by letter.
+cat docs/schedule-format.md docs/plan-format.md | tr '`' '\n' |
+    grep -E '^"?[][a-z_=A-Z0-9:" -]{2,24}$' | sort -u |
     sed 's/["\\]/\\&/g; s/.*/"&"/' >"$out/words"
 
 # What people wrote, each file by itself.
@@ -81,6 +82,9 @@ seeds() {
         find scheduler/tests/format cli/missions examples -name '*.toml' -not -name Cargo.toml \
             -exec cp {} "$2" \; 2>/dev/null || true
         ;;
+    # Files of one name lie in several folders.
+    xml) find planner/templates examples -name '*.xml' -exec cp --backup=numbered {} "$2" \; ;;
+    compact) cp planner/tests/compact/*.bin "$2" ;;
     esac
     [[ ! -d fuzz/seeds/$1 ]] || cp fuzz/seeds/"$1"/* "$2"
 }
@@ -127,7 +131,8 @@ for target in "${all[@]}"; do
     runs+=("$out/plain/$host/debug/$target:$out/reach/$target")
 done
 "$out/plain/$host/release/faregate-fuzz-lines" --at-least 90 --of scheduler/src/format \
-    --of scheduler/src/format.rs --of client/src/wire --of client/src/wire.rs \
+    --of scheduler/src/format.rs --of planner/src/file --of planner/src/file.rs \
+    --of client/src/wire --of client/src/wire.rs \
     --of scheduler/src/journal/frame.rs --of scheduler/src/journal/segment.rs \
     "${runs[@]}" | tee "$out/lines.md"
 
