@@ -17,6 +17,7 @@ mod brute;
 mod candidates;
 mod computer;
 mod computer_rules;
+mod execution;
 mod flow;
 mod given;
 mod heating;
@@ -36,6 +37,7 @@ mod world;
 use faregate_planner::{Parameters, Plan, State, TimedPlan};
 
 pub use brute::reference;
+pub use execution::check_trace;
 pub use violation::{Rule, Violation};
 
 /// How hard to look for a start in a sleep.

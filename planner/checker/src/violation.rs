@@ -125,6 +125,8 @@ rules! {
     RanGroup = "started although another member of its group had",
     /// Execution: a new plan leaves the commit window alone.
     Recommitted = "a new plan did not leave the commit window alone",
+    /// Execution: what is recorded is in order of time.
+    InOrder = "the record is not in order of time",
     /// Execution: every activity has one fate.
     Fate = "has no fate, or more than one",
 }

@@ -1,0 +1,136 @@
+//! The charge: what it was told, and what it truly was.
+
+use std::collections::BTreeMap;
+
+use faregate_planner::plan::ActivityId;
+use faregate_planner::trace::{Happened, Trace};
+use faregate_planner::units::Ppm;
+use faregate_planner::{Parameters, Plan};
+
+use crate::violation::{Rule, Violation};
+
+/// What the battery can hold, as the first plan was told.
+pub(super) fn capacity(trace: &Trace) -> Option<i128> {
+    trace.entries.iter().find_map(|entry| match &entry.what {
+        Happened::Planned { state, .. } => Some(i128::from(state.capacity.get())),
+        _ => None,
+    })
+}
+
+/// Nothing that draws power runs on below the hard limit; nothing optional that
+/// does runs on below the soft one.
+pub(super) fn check(plan: &Plan, parameters: &Parameters, trace: &Trace) -> Vec<Violation> {
+    let Some(capacity) = capacity(trace) else { return Vec::new() };
+    let least = |ppm: Ppm| i128::from(ppm.get()) * capacity / 1_000_000;
+    let hard = told_below(trace, least(parameters.hard_min_soc), 1);
+    let soft = told_below(trace, least(parameters.soft_min_soc), parameters.soft_samples.max(1));
+    let truly = truly_below(trace, least(parameters.hard_min_soc));
+    let mut wrong = Vec::new();
+    for (id, from, to) in worked(trace) {
+        let Some(activity) = plan.activities.iter().find(|activity| activity.id == id) else {
+            continue;
+        };
+        if activity.marginal.is_zero() {
+            continue;
+        }
+        let optional = activity.priority < parameters.mandatory_from;
+        let on = |stretches: &[(i64, i64)]| {
+            let met = stretches.iter().map(|(start, end)| ((*start).max(from), (*end).min(to)));
+            met.into_iter().find(|(start, end)| start < end)
+        };
+        let told = on(&hard).map(|met| (Rule::RanAtHardLimit, met, "by estimate"));
+        let truly = on(&truly).map(|met| (Rule::RanAtHardLimit, met, "in truth"));
+        let below =
+            on(&soft).filter(|_| optional).map(|met| (Rule::RanBelowSoft, met, "by estimate"));
+        for (rule, (start, end), detail) in told.or(truly).into_iter().chain(below) {
+            let detail = format!("for {} ms, {detail}", end - start);
+            wrong.push(Violation::new(rule, Some(id), start).detail(detail));
+        }
+    }
+    wrong
+}
+
+/// When each activity ran, without the times at which it was paused.
+fn worked(trace: &Trace) -> Vec<(ActivityId, i64, i64)> {
+    let mut since: BTreeMap<ActivityId, i64> = BTreeMap::new();
+    let mut all = Vec::new();
+    if let Some(Happened::Planned { state, .. }) = trace.entries.first().map(|e| &e.what) {
+        let running = state.running.iter().filter(|running| running.paused.is_none());
+        since.extend(running.map(|running| (running.id, state.now.get())));
+    }
+    for entry in &trace.entries {
+        let at = entry.at.get();
+        match &entry.what {
+            Happened::Dispatched(dispatch) => {
+                since.insert(dispatch.id, at);
+            }
+            Happened::Resumed(id) => {
+                since.insert(*id, at);
+            }
+            Happened::Ended { id, .. } | Happened::Aborted { id, .. } | Happened::Paused(id) => {
+                all.extend(since.remove(id).map(|from| (*id, from, at)));
+            }
+            _ => {}
+        }
+    }
+    let end = trace.end.get();
+    all.extend(since.into_iter().map(|(id, from)| (id, from, end)));
+    all
+}
+
+/// From when to when the last `samples` estimates were below `least`.
+fn told_below(trace: &Trace, least: i128, samples: u32) -> Vec<(i64, i64)> {
+    let mut stretches = Vec::new();
+    let (mut row, mut since) = (0, None);
+    for entry in &trace.entries {
+        let Happened::Estimate { charge } = &entry.what else { continue };
+        row = if i128::from(charge.get()) < least { row + 1 } else { 0 };
+        if row == 0 {
+            stretches.extend(since.take().map(|since| (since, entry.at.get())));
+        } else if row >= samples {
+            since.get_or_insert(entry.at.get());
+        }
+    }
+    stretches.extend(since.map(|since| (since, trace.end.get())));
+    stretches
+}
+
+/// From when to when the true charge was below `least` by more than its
+/// estimate can be wrong: each begins later by the time that an estimate takes.
+fn truly_below(trace: &Trace, least: i128) -> Vec<(i64, i64)> {
+    let least = least - i128::from(trace.charge_noise.get());
+    let truths: Vec<(i64, i128)> = trace
+        .entries
+        .iter()
+        .filter_map(|entry| match &entry.what {
+            Happened::Truth(truth) => Some((entry.at.get(), i128::from(truth.charge.get()))),
+            _ => None,
+        })
+        .collect();
+    let mut stretches: Vec<(i64, i64)> = Vec::new();
+    for pair in truths.windows(2) {
+        let Some((from, to)) = below(pair[0], pair[1], least) else { continue };
+        match stretches.last_mut() {
+            Some(last) if last.1 >= from => last.1 = to,
+            _ => stretches.push((from, to)),
+        }
+    }
+    let lag = trace.charge_lag.get();
+    let late = stretches.into_iter().map(|(from, to)| (from + lag, to));
+    late.filter(|(from, to)| from < to).collect()
+}
+
+/// Where a straight line between two points is below `least`: the instants are
+/// rounded so that it is.
+fn below((t0, c0): (i64, i128), (t1, c1): (i64, i128), least: i128) -> Option<(i64, i64)> {
+    let crossing = |from: i128, to: i128| {
+        let part = (least - from) * i128::from(t1 - t0) / (to - from);
+        i64::try_from(part).ok().map(|part| t0 + part)
+    };
+    match (c0 < least, c1 < least) {
+        (false, false) => None,
+        (true, true) => Some((t0, t1)),
+        (false, true) => Some((crossing(c0, c1)? + 1, t1)),
+        (true, false) => Some((t0, crossing(c0, c1)?)),
+    }
+}

@@ -1,0 +1,30 @@
+//! The plans that were made on the way: each keeps the rules, given what it was
+//! made from, and leaves the commit window of the one before alone.
+
+use faregate_planner::trace::{Happened, Trace};
+use faregate_planner::{Parameters, Plan};
+
+use crate::violation::{Rule, Violation};
+use crate::{Effort, check as check_plan};
+
+pub(super) fn check(plan: &Plan, parameters: &Parameters, trace: &Trace) -> Vec<Violation> {
+    let mut incumbent = None;
+    let mut wrong = Vec::new();
+    for entry in &trace.entries {
+        match &entry.what {
+            Happened::Planned { state, timed, .. } => {
+                let effort = Effort { grid: 0 };
+                wrong.extend(check_plan(plan, parameters, state, incumbent, timed, effort));
+                incumbent = Some(&**timed);
+            }
+            // What comes now is another plan's.
+            Happened::HandedOver => break,
+            _ => {}
+        }
+    }
+    let commit = |violation: Violation| match violation.rule {
+        Rule::Commit => Violation { rule: Rule::Recommitted, ..violation },
+        _ => violation,
+    };
+    wrong.into_iter().map(commit).collect()
+}
