@@ -2,5 +2,7 @@
 //! by lines that the planner has no part in.
 
 mod brute;
+mod executions;
+mod mutants;
 mod planner;
 mod worlds;

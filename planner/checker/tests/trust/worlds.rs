@@ -101,7 +101,7 @@ impl Make {
             mandatory_from: 8,
             soft_min_soc: soft,
             hard_min_soc: Ppm::new(soft.get() / 2),
-            max_soc: if self.chance(20) && std::env::var("FULL").is_ok() {
+            max_soc: if self.chance(20) {
                 Ppm::new(1_000_000)
             } else {
                 self.ppm(60, 100)
@@ -191,7 +191,7 @@ impl Make {
         let range = |make: &mut Self| {
             let from = make.time(0, 120);
             let to = from.after(make.span(0, 60));
-            StartRange { from, to, cutoff: to.after(duration).after(make.span(0, 10)) }
+            StartRange { from, to, cutoff: from.after(duration).after(make.span(0, 60)) }
         };
         let mut all: Vec<StartRange> = (0..ranges).map(|_| range(self)).collect();
         if self.chance(80) {
