@@ -1,7 +1,7 @@
 //! The host of a control thread: the rover, the agents, and the clock between
 //! them.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use faregate_devices_sim::SimClock;
 use faregate_devices_sim::rover::{Rover, RoverTruth};
@@ -30,6 +30,8 @@ pub(crate) struct Host<'h, 'b, 'g> {
     pub(crate) trace: Trace,
     pub(crate) events: VecDeque<Event>,
     pub(crate) seats: BTreeMap<ActivityId, Held<'b, 'g>>,
+    /// Those that no place was free for: they ask again.
+    pub(crate) unseated: BTreeSet<ActivityId>,
     pub(crate) windows: BTreeMap<usize, Seat<'b, 'g>>,
     pub(crate) heaters: BTreeMap<usize, Heater<'b, 'g>>,
     pub(crate) computer: Computer<'b, 'g>,
@@ -100,6 +102,7 @@ impl<'h, 'b, 'g> Host<'h, 'b, 'g> {
             trace,
             events: VecDeque::new(),
             seats: BTreeMap::new(),
+            unseated: BTreeSet::new(),
             windows: BTreeMap::new(),
             heaters: BTreeMap::new(),
             computer: Computer::default(),

@@ -180,12 +180,12 @@ pub fn rehearse_watched(
     let clock = SimClock::virtual_time();
     let (model, script) = (model::rover(setup), model::script(setup));
     let rover = Rover::new(model, script, setup.seed, &clock);
-    // Gates are seen off in the millisecond before the begin.
-    clock.advance_to(model::instant(setup, setup.state.now));
     let mut gates = Gates::new(&rover, setup, &clock).ok_or(NotRehearsed::TooManyGates)?;
     let mut broker = Box::new(Agents::new(clock.clone(), NoLane, NoNotify));
     let (parts, supervisor) =
         gates.register(&mut broker, setup).ok_or(NotRehearsed::TooManyGates)?;
+    // Gates are seen off in the millisecond after they were registered.
+    clock.advance_to(model::instant(setup, setup.state.now));
     let station = Station::new(&broker, parts, supervisor, clock.clone(), rover.clone());
     let first = planner
         .plan(&setup.plan, &setup.parameters, &setup.state, None)

@@ -84,8 +84,14 @@ impl Host<'_, '_, '_> {
     }
 
     fn request(&mut self, id: ActivityId) {
-        let Some(activity) = self.activity(id) else { return };
         self.note(Happened::Requested(id));
+        self.unseated.insert(id);
+        self.seat(id);
+    }
+
+    /// Asks for a place and for devices; again later, if there is no place.
+    pub(crate) fn seat(&mut self, id: ActivityId) {
+        let Some(activity) = self.activity(id) else { return };
         let units =
             activity.sequence.as_ref().map_or(&[][..], |name| self.setup.sequences.of(name));
         let (plan, parameters) = (self.control.plan(), &self.setup.parameters);
@@ -98,10 +104,12 @@ impl Host<'_, '_, '_> {
         };
         if let Ok(seat) = self.station.request(&needs) {
             self.seats.insert(id, Held { seat, started: false });
+            self.unseated.remove(&id);
         }
     }
 
     fn withdraw(&mut self, id: ActivityId) {
+        self.unseated.remove(&id);
         if let Some(held) = self.seats.remove(&id) {
             self.station.release(held.seat);
         }

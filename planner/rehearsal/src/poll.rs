@@ -19,13 +19,19 @@ use crate::station::{Needs, Seat, Switch, Turn};
 
 impl<'b, 'g> Host<'_, 'b, 'g> {
     pub(crate) fn poll(&mut self) {
-        for (_, event) in self.rover.take_events() {
-            self.rover_says(event);
-        }
+        self.hear();
         self.poll_script();
         self.poll_computer();
         self.poll_heaters();
         self.poll_seats();
+        // What followed from these commands at once.
+        self.hear();
+    }
+
+    fn hear(&mut self) {
+        for (_, event) in self.rover.take_events() {
+            self.rover_says(event);
+        }
     }
 
     fn rover_says(&mut self, event: RoverEvent) {
@@ -101,6 +107,9 @@ impl<'b, 'g> Host<'_, 'b, 'g> {
     }
 
     fn poll_seats(&mut self) {
+        for id in self.unseated.clone() {
+            self.seat(id);
+        }
         let mut turns: Vec<_> = self
             .seats
             .iter_mut()

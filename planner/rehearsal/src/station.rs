@@ -31,7 +31,7 @@ pub(crate) use seat::{Seat, Turn};
 
 type Strategy = Locked<parking_lot::RawMutex, parking_lot::RawThreadId>;
 pub(crate) type Ports = (Strategy, SimClock, NoLane);
-pub(crate) type Agents<'g> = Broker<'g, Ports, NoNotify, 64, 256, 64>;
+pub(crate) type Agents<'g> = Broker<'g, Ports, NoNotify, 64, 64, 40>;
 pub(crate) type PlaceTicket<'b, 'g> = Ticket<'b, PlaceDriver, Ports, Agents<'g>>;
 pub(crate) type SwitchTicket<'b, 'g> = Ticket<'b, SwitchDriver, Ports, Agents<'g>>;
 type Wants<'g> = heapless::Vec<Want<'g, SwitchDriver, Ports>, MOST_SWITCHES>;
@@ -151,10 +151,16 @@ impl<'b, 'g> Station<'b, 'g> {
             settling: Duration::ZERO,
             estimate_lag: SWITCH_LAG,
         };
-        let fits = |place: &Place<'g>| {
-            !place.held && self.broker.redeclare(&place.handle, &declared).is_ok()
+        let declares = |place: &Place<'g>| self.broker.redeclare(&place.handle, &declared).is_ok();
+        let fits = |(index, place): (usize, &Place<'g>)| {
+            // Off, but measured in the instant in which it was made safe.
+            let measured = || {
+                self.measure(Sensor::Place(index));
+                declares(place)
+            };
+            !place.held && (declares(place) || measured())
         };
-        let found = self.places.iter().position(fits);
+        let found = self.places.iter().enumerate().position(fits);
         found.ok_or(RequestRefused::NoCapacity(faregate_agents::Capacity::Seats))
     }
 

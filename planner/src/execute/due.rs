@@ -17,6 +17,7 @@ impl Control {
         let mut instants = vec![self.plan.end, self.plan.handover];
         instants
             .extend(self.planned_at.get().checked_add(self.options.period.get()).map(Time::new));
+        instants.push(self.looked_at_again());
         self.of_activities(&mut instants);
         self.of_running(&mut instants);
         self.of_computer(&mut instants);
@@ -40,9 +41,6 @@ impl Control {
             instants.extend([running.cutoff, running.ends]);
             if let Some(activity) = self.activity(running.id) {
                 instants.push(self.patience(activity, running));
-            }
-            if running.ends <= self.state.now {
-                instants.push(self.looked_at_again());
             }
         }
     }

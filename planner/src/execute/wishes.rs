@@ -34,6 +34,13 @@ impl Control {
         }
     }
 
+    /// What cannot be helped is looked at again when a commit window has gone by.
+    fn wish_now_and_then(&mut self, why: Why) {
+        if self.now() >= self.looked_at_again() {
+            self.wish(why);
+        }
+    }
+
     fn notice_what_is_late(&mut self) {
         let latest = self.now().before(self.parameters.handover_tolerance);
         let late: Vec<_> = self
@@ -46,7 +53,7 @@ impl Control {
             if let Err(NotReady::Zone(zone)) = self.ready(id, slot, false) {
                 self.found_cold(zone);
             }
-            self.wish_once(Why::Late(id));
+            self.wish_now_and_then(Why::Late(id));
         }
     }
 
@@ -72,15 +79,11 @@ impl Control {
             .map(|running| running.id)
             .collect();
         for id in too_long {
-            if now >= self.looked_at_again() {
-                self.wish(Why::Overran(id));
-            } else {
-                self.wish_once(Why::Overran(id));
-            }
+            self.wish_now_and_then(Why::Overran(id));
         }
     }
 
-    /// A running activity past its planned end is looked at so often.
+    /// When what is late, or runs too long, is looked at again.
     pub(super) fn looked_at_again(&self) -> Time {
         let commit = self.parameters.commit.get().max(1_000);
         self.planned_at.after(Span::new(commit))

@@ -53,7 +53,7 @@ impl Seat<'_, '_> {
     /// Gives each device a command. Whether all of them took it.
     pub(crate) fn command(&self, command: RoverCommand) -> bool {
         let took = self.devices.iter().map(|(_, ticket)| ticket.invoke(command).is_ok());
-        took.fold(true, |all, one| all && one)
+        !took.fold(false, |refused, took| refused | !took)
     }
 
     /// Whether every ticket refuses.
