@@ -38,7 +38,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use faregate_devices_sim::SimClock;
-use faregate_devices_sim::rover::{Rover, Senses};
+use faregate_devices_sim::rover::{Rover, SWITCH_LAG, Senses};
 use faregate_planner::execute::Options;
 use faregate_planner::trace::Trace;
 use faregate_planner::{Parameters, Plan, State, TimedPlan};
@@ -184,9 +184,8 @@ pub fn rehearse_watched(
     let mut broker = Box::new(Agents::new(clock.clone(), NoLane, NoNotify));
     let (parts, supervisor) =
         gates.register(&mut broker, setup).ok_or(NotRehearsed::TooManyGates)?;
-    // Gates are seen off in the millisecond after they were registered.
-    clock.advance_to(model::instant(setup, setup.state.now));
     let station = Station::new(&broker, parts, supervisor, clock.clone(), rover.clone());
+    clock.advance_to(model::instant(setup, setup.state.now));
     let first = planner
         .plan(&setup.plan, &setup.parameters, &setup.state, None)
         .map_err(NotRehearsed::NoPlan)?;
@@ -195,4 +194,6 @@ pub fn rehearse_watched(
 
 /// How far the rover's clock is ahead of the plan's: time to see every device
 /// off.
-const LEAD: Duration = Duration::from_millis(1);
+const LEAD: Duration = Duration::from_millis(10);
+
+const _: () = assert!(SWITCH_LAG.as_micros() < LEAD.as_micros());

@@ -105,9 +105,11 @@ impl<'b, 'g> Station<'b, 'g> {
         station
     }
 
-    /// At the begin everything is off, and somebody has to say so.
+    /// At the begin everything is off, and somebody has to say so: after it was
+    /// made safe once.
     fn see_all_off(&mut self) {
         self.broker.service();
+        self.clock.advance_to(self.clock.now().after(SWITCH_LAG));
         let places = (0..self.places.len()).map(Sensor::Place);
         let switches = (0..self.switches.len()).map(Sensor::Switch);
         let all: Vec<_> = places.chain(switches).collect();

@@ -87,7 +87,10 @@ impl<'a> Outlook<'a> {
             let other = self.activity(*id).filter(|other| *id != activity.id && matters(other))?;
             (slot.start > now).then(|| Claim::of(other, *slot))
         });
-        let heating = self.timed.preheats.iter().filter(|heating| heating.end > now);
+        // What is heated for it need not be any more.
+        let for_it = |zone: &String| activity.zones.contains(zone);
+        let heating = self.timed.preheats.iter();
+        let heating = heating.filter(|one| one.end > now && !for_it(&one.zone));
         let heating = heating.filter_map(|heating| Claim::of_heating(heating, self.parameters));
         windows.chain(running).chain(planned).chain(heating).collect()
     }

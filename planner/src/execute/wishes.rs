@@ -23,6 +23,7 @@ impl Control {
         }
         if self.state.mode == Mode::Awake && !self.wishes.is_empty() {
             let wishes = std::mem::take(&mut self.wishes).into_iter().collect();
+            self.planned_at = self.now();
             self.actions.push(Action::Replan(wishes));
         }
     }
