@@ -15,7 +15,7 @@ pub(crate) use offline::{
 };
 pub(crate) use plan::{
     PlanAction, PlanCheckArgs, PlanConvertArgs, PlanDiffArgs, PlanMakeArgs, PlanNewArgs,
-    TableFormat, TemplateName,
+    PlanRunArgs, RunFormat, TableFormat, TemplateName,
 };
 
 /// The schedule manager: what runs when, on tickets.
