@@ -28,3 +28,10 @@ else
     echo "skipped: processes are run on Linux alone"
     [[ ${CI:-} != true ]]
 fi
+echo "== sols"
+examples/sols/run.sh all >target/example-sols.log 2>&1 || {
+    cat target/example-sols.log
+    echo "example sols failed" >&2
+    exit 1
+}
+tail -n 3 target/example-sols.log

@@ -32,7 +32,7 @@ pub(crate) struct Loader {
 }
 
 /// A file's name, as it was given, and what is in it.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Source {
     pub(crate) name: String,
     pub(crate) bytes: Vec<u8>,

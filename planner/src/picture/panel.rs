@@ -3,7 +3,7 @@
 use svg::node::element::Group;
 
 use crate::picture::pen::{
-    BAD, CURVE, EDGE, GREY, NIGHT, RULE, SMALL, bar, curve, haloed, line, note, shape, text,
+    BAD, CURVE, EDGE, GREY, NIGHT, RULE, SMALL, bar, curve, line, note, shape, text,
 };
 use crate::picture::scale::{Scale, float};
 use crate::units::Time;
@@ -165,10 +165,7 @@ impl Frame<'_> {
                 let x = scale.place(at);
                 let rhomb = [(x - 5.0, y), (x, y - 5.0), (x + 5.0, y), (x, y + 5.0)];
                 let stub = line((scale.left - 6.0, y), (scale.left + 4.0, y), BAD);
-                group
-                    .add(stub.set("stroke-width", 1.2))
-                    .add(shape(&rhomb, BAD))
-                    .add(haloed(x - 8.0, y - 5.0, "at handover").set("text-anchor", "end"))
+                group.add(stub.set("stroke-width", 1.2)).add(shape(&rhomb, BAD))
             }
         }
     }
