@@ -54,7 +54,7 @@ impl<'a> Words<'a> {
             Reason::Limit { limit, at, amount, with } => {
                 let beside = with.map(|id| self.beside(limit, id)).unwrap_or_default();
                 let broken = self.broken(limit, *amount);
-                format!("{broken} at {}{beside}", self.time(*at))
+                format!("{broken} at {}{beside}", self.second(*at))
             }
             Reason::NoRangeLeft => "no start range is left that ends by its cutoff".into(),
             Reason::PriorOut(prior) => {
@@ -74,12 +74,18 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// A limit that is exceeded: by whom, which one, by how much, and when.
+    /// A limit that is exceeded: by whom if by anybody, which one, by how much,
+    /// and when.
     #[must_use]
     pub fn excess(&self, excess: &Excess) -> String {
-        let by = excess.by.map_or_else(|| "nothing that is planned".into(), |id| self.activity(id));
         let broken = self.broken(&excess.limit, excess.amount);
-        format!("{by}: {broken} at {}", self.time(excess.at))
+        let by = excess.by.map(|id| format!("{}: ", self.activity(id))).unwrap_or_default();
+        format!("{by}{broken} at {}", self.second(excess.at))
+    }
+
+    /// As exact as it says something: the second in which it is.
+    fn second(&self, at: Time) -> String {
+        self.time(Time::new(at.get().div_euclid(1_000).saturating_mul(1_000)))
     }
 
     /// A limit's name.
@@ -193,6 +199,17 @@ mod tests {
         assert_eq!(bits, "arm and mast and resource 9 in use at 14:20 by drive");
         let prior = Reason::PriorEnded(plan.activities[0].id, Outcome::Aborted);
         assert_eq!(said(prior), "depends on drive, which was aborted");
+    }
+
+    #[test]
+    fn nobody_is_blamed_for_what_nobody_did() {
+        let (plan, parameters) = (plan(), parameters());
+        let words = Words::new(&plan, &parameters);
+        let mut excess =
+            Excess { by: None, limit: Limit::Data, at: Time::new(51_600_999), amount: 1_500_000 };
+        assert_eq!(words.excess(&excess), "1.5 MB above the data volume at 14:20");
+        excess.by = ActivityId::new(1);
+        assert_eq!(words.excess(&excess), "drive: 1.5 MB above the data volume at 14:20");
     }
 
     #[test]

@@ -115,7 +115,8 @@ fn verdict(made: &Made) -> String {
     let within = rows.iter().filter(|row| made.timed.slot(row.id).is_some()).count();
     let out = rows.iter().filter(|row| matches!(row.fate, Fate::Out(_))).count();
     let missed: Vec<_> = made.missed().map(|row| made.words().activity(row.id)).collect();
-    let counts = format!("{within} activities scheduled, {out} left out");
+    let plural = if within == 1 { "activity" } else { "activities" };
+    let counts = format!("{within} {plural} scheduled, {out} left out");
     match missed.as_slice() {
         [] => format!("{}: {counts}", out::styled(out::GOOD, "every mandatory activity is in")),
         missed => {
