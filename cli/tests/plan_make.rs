@@ -94,6 +94,60 @@ fn what_starts_within_the_commit_window_stays_where_the_incumbent_has_it() {
     assert_eq!(replanned.json()["violations"], Value::Array(Vec::new()));
 }
 
+/// The one pass takes the first; the other one is worth more.
+fn dear_and_cheap() -> String {
+    let dear = arm(2, "brush", 80).replace("priority=\"80\"", "priority=\"80\" value=\"500\"");
+    plan(&[arm(1, "place", 90), dear])
+}
+
+#[test]
+fn a_search_finds_what_the_one_pass_does_not_and_the_same_for_the_same_seed() {
+    let scratch = Scratch::new();
+    let one_pass = make(&scratch, &dear_and_cheap(), &["--format", "json"]);
+    assert_eq!(statuses(&one_pass), ["scheduled", "left_out"]);
+    let words = ["--format", "json", "--improve", "200", "--seed", "7"];
+    let improved = make(&scratch, &dear_and_cheap(), &words);
+    assert_eq!(statuses(&improved), ["left_out", "scheduled"]);
+    assert_eq!(improved.out, make(&scratch, &dear_and_cheap(), &words).out);
+    let said = make(&scratch, &dear_and_cheap(), &["--improve", "200"]);
+    assert!(said.out.contains("optional activities worth 500 instead of 90"), "{}", said.out);
+}
+
+/// Signals that a process has handlers for, by its status.
+#[cfg(target_os = "linux")]
+fn caught(pid: u32) -> u64 {
+    let status = std::fs::read_to_string(format!("/proc/{pid}/status")).unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+    mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or_default()
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn an_interrupt_ends_the_search_and_what_was_found_is_printed() {
+    const SIGINT: u32 = 2;
+    let scratch = Scratch::new();
+    let paths = [
+        scratch.file("plan.xml", dear_and_cheap()),
+        scratch.file("parameters.xml", PARAMETERS),
+        scratch.file("state.xml", STATE),
+    ];
+    let [plan, parameters, state] = paths.each_ref().map(|path| text(path));
+    let endless = ["--improve", "1000000000000000"];
+    let mut command = support::faregate();
+    command.args(["plan", "make", plan, "-p", parameters, "-s", state]).args(endless);
+    command.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped());
+    let mut child = command.spawn().expect("the program starts");
+    while caught(child.id()) >> (SIGINT - 1) & 1 == 0 {
+        assert!(child.try_wait().expect("a child").is_none(), "it ended by itself");
+        std::thread::yield_now();
+    }
+    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(kill.expect("kill is there").success());
+    let said: Said = child.wait_with_output().expect("it ends").into();
+    assert_eq!(said.code, 0, "{said:?}");
+    assert!(said.out.contains("interrupted after"), "{}", said.out);
+}
+
 #[test]
 fn instants_are_seconds_and_a_fraction_is_said_where_there_is_one() {
     let scratch = Scratch::new();

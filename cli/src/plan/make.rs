@@ -1,6 +1,7 @@
 //! `plan make`: from a plan, parameters and a state to a timed plan.
 
 mod document;
+mod search;
 mod table;
 
 use std::fs;
@@ -13,13 +14,14 @@ use faregate_planner::problem::Unfit;
 use faregate_planner::timed::{Fate, Projection, Reason, Row};
 use faregate_planner::words::Words;
 use faregate_planner::{
-    Activity, ActivityId, Parameters, Plan, Problem, State, TimedPlan, project, schedule,
+    Activity, ActivityId, Parameters, Plan, Problem, State, TimedPlan, project,
 };
 
 use crate::args::{PlanMakeArgs, TableFormat};
 use crate::exit::{Exit, Failure};
 use crate::out;
 use crate::plan::input::{self, Inputs};
+use crate::plan::make::search::{Found, Search};
 
 /// Some mandatory activities are left out. The words were right all the same:
 /// the number is that of wrong usage, and standard output tells them apart.
@@ -41,6 +43,7 @@ struct Made {
     projection: Projection,
     /// By the independent checker. There is none, or else the planner is wrong.
     violations: Vec<String>,
+    search: Option<Search>,
 }
 
 pub(super) fn make(args: &PlanMakeArgs) -> Result<Exit, Failure> {
@@ -48,11 +51,11 @@ pub(super) fn make(args: &PlanMakeArgs) -> Result<Exit, Failure> {
         input::read(&args.plan, &args.parameters, &args.state)?;
     let problem = Problem::new(&plan, &parameters, &state).map_err(|unfit| unfit_for(&unfit))?;
     let incumbent = args.incumbent.as_deref().map(incumbent).transpose()?;
-    let timed = schedule(&problem, incumbent.as_ref());
+    let Found { timed, search } = search::best(&problem, incumbent.as_ref(), args)?;
     let violations = violations(&plan, &parameters, &state, incumbent.as_ref(), &timed);
     let projection = project(&plan, &parameters, &state, &timed)
         .map_err(|unknown| Failure::failed(unknown.to_string()))?;
-    let made = Made { plan, parameters, state, timed, projection, violations };
+    let made = Made { plan, parameters, state, timed, projection, violations, search };
     write(args, &made)?;
     match args.format {
         TableFormat::Json => out::json(&document::document(&made))?,

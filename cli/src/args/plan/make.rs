@@ -22,6 +22,14 @@ pub(crate) struct PlanMakeArgs {
     /// Draws the timed plan into this file.
     #[arg(long, value_name = "OUT.svg")]
     pub(crate) svg: Option<PathBuf>,
+    /// Looks for a better plan, by at most so many evaluations of candidates,
+    /// those of the one pass included. An interrupt ends the search early; what
+    /// was found by then counts.
+    #[arg(long, value_name = "EVALUATIONS")]
+    pub(crate) improve: Option<u64>,
+    /// What the search is drawn from.
+    #[arg(long, value_name = "N", default_value_t = 0, requires = "improve")]
+    pub(crate) seed: u64,
     /// The timed plan that is executed now: what starts within the commit
     /// window stays as it is.
     #[arg(long, value_name = "TIMED.json")]

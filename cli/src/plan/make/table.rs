@@ -24,7 +24,8 @@ pub(super) fn print(made: &Made) -> io::Result<()> {
         listed(heading, &said)?;
     }
     listed(&out::styled(out::BAD, "Violations"), &made.violations)?;
-    out::line(format_args!("\n{}", verdict(made)))
+    out::line(format_args!("\n{}", verdict(made)))?;
+    made.search.iter().try_for_each(|search| out::line(search.said()))
 }
 
 fn activities(made: &Made) -> Table {

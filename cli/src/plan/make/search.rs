@@ -1,0 +1,111 @@
+//! The search for a better plan, which may take a while: it shows how far it is
+//! after a second, and an interrupt ends it with what was found by then.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use faregate_planner::{Budget, Improved, Problem, TimedPlan, Worth, improve, schedule};
+use indicatif::{ProgressBar, ProgressStyle};
+use signal_hook::consts::SIGINT;
+
+use crate::args::PlanMakeArgs;
+use crate::exit::Failure;
+
+/// A timed plan, and what the search made of it.
+#[derive(Debug)]
+pub(super) struct Found {
+    pub(super) timed: TimedPlan,
+    /// None, where nothing better was looked for.
+    pub(super) search: Option<Search>,
+}
+
+/// What came of a search.
+#[derive(Debug)]
+pub(super) struct Search {
+    /// What the plan of one pass was worth.
+    before: Worth,
+    after: Worth,
+    rounds: u64,
+    evaluations: u64,
+    /// Whether it was ended by hand.
+    interrupted: bool,
+}
+
+/// The plan of one pass, or a better one where that is asked for.
+pub(super) fn best(
+    problem: &Problem,
+    incumbent: Option<&TimedPlan>,
+    args: &PlanMakeArgs,
+) -> Result<Found, Failure> {
+    let timed = schedule(problem, incumbent);
+    let Some(evaluations) = args.improve else { return Ok(Found { timed, search: None }) };
+    let before = Worth::of(problem, &timed);
+    let interrupt = Arc::new(AtomicBool::new(false));
+    let heard = signal_hook::flag::register(SIGINT, Arc::clone(&interrupt))
+        .map_err(|error| Failure::failed(format!("interrupts cannot be heard: {error}")))?;
+    let mut patience = Patience::new(evaluations);
+    let budget = Budget { evaluations, seed: args.seed };
+    let Improved { timed, worth, evaluations, rounds } =
+        improve(problem, incumbent, budget, &mut || {
+            patience.evaluated();
+            interrupt.load(Ordering::Relaxed)
+        });
+    patience.bar.finish_and_clear();
+    // From here on an interrupt ends the program again.
+    signal_hook::low_level::unregister(heard);
+    let interrupted = interrupt.load(Ordering::Relaxed);
+    let search = Search { before, after: worth, rounds, evaluations, interrupted };
+    Ok(Found { timed, search: Some(search) })
+}
+
+impl Search {
+    /// In a line.
+    pub(super) fn said(&self) -> String {
+        let ended = if self.interrupted { "interrupted after" } else { "in" };
+        let work = format!("{} rounds, {} evaluations", self.rounds, self.evaluations);
+        if self.after == self.before {
+            return format!("Nothing better than the one pass was found {ended} {work}.");
+        }
+        let (before, after) = (&self.before, &self.after);
+        let mut better = Vec::new();
+        if after.mandatory() != before.mandatory() {
+            let counts = (after.mandatory(), before.mandatory());
+            better.push(format!("{} instead of {} mandatory activities", counts.0, counts.1));
+        }
+        if after.optional() != before.optional() {
+            let (now, then) = (after.optional(), before.optional());
+            better.push(format!("optional activities worth {now} instead of {then}"));
+        }
+        if better.is_empty() {
+            better.push("what counts more, or starts earlier".into());
+        }
+        format!("Better than the one pass, {ended} {work}: {}.", better.join(", "))
+    }
+}
+
+/// Shows how far it is, after a second.
+struct Patience {
+    began: Instant,
+    evaluated: u64,
+    of: u64,
+    bar: ProgressBar,
+}
+
+impl Patience {
+    fn new(of: u64) -> Self {
+        Self { began: Instant::now(), evaluated: 0, of, bar: ProgressBar::hidden() }
+    }
+
+    fn evaluated(&mut self) {
+        self.evaluated = self.evaluated.saturating_add(1);
+        if self.bar.is_hidden() && self.began.elapsed() > Duration::from_secs(1) {
+            self.bar = ProgressBar::new(self.of);
+            let template = "{bar:30} {pos} of {len} evaluations, {eta} left";
+            if let Ok(style) = ProgressStyle::with_template(template) {
+                self.bar.set_style(style);
+            }
+        }
+        self.bar.set_position(self.evaluated);
+    }
+}
