@@ -61,7 +61,8 @@ fn plan(
 }
 
 fn setup(args: &PlanRunArgs) -> Result<Setup, Failure> {
-    let Inputs { plan, parameters, state } = input::read(&args.plan, &args.parameters, &args.state)?;
+    let Inputs { plan, parameters, state } =
+        input::read(&args.plan, &args.parameters, &args.state)?;
     let script = args.faults.as_deref().map(|path| script::read(path, &plan, &parameters, &state));
     let next = args.next.as_deref().map(|next| input::read(next, &args.parameters, &args.state));
     let mut setup = Setup::new(Arc::new(plan), Arc::new(parameters), state, args.seed);
@@ -83,7 +84,7 @@ fn run_once(args: &PlanRunArgs, setup: &Setup) -> Result<Exit, Failure> {
     let won = as_it_stood.as_ref().map(|theirs| Won::between(&setup.plan, &trace, theirs));
     let violations = violations(setup, &trace);
     if let Some(path) = &args.svg {
-        put(path, &drawn(setup, &trace))?;
+        put(path, &drawn(setup, &trace)?)?;
     }
     let static_summary = as_it_stood.as_ref().map(|theirs| Summary::of(&setup.plan, theirs));
     let outcome = Outcome {
@@ -155,23 +156,18 @@ fn violations(setup: &Setup, trace: &Trace) -> Vec<String> {
 }
 
 /// What happened, over what was planned at first.
-fn drawn(setup: &Setup, trace: &Trace) -> String {
+fn drawn(setup: &Setup, trace: &Trace) -> Result<String, Failure> {
     let Setup { plan, parameters, state, .. } = setup;
     let first = trace.entries.iter().find_map(|entry| match &entry.what {
         Happened::Planned { timed, .. } => Some(timed),
         _ => None,
     });
     let timed = first.map(|timed| TimedPlan::clone(timed)).unwrap_or_default();
-    let projection = project(plan, parameters, state, &timed);
+    let projection = project(plan, parameters, state, &timed)
+        .map_err(|unknown| Failure::failed(unknown.to_string()))?;
     let trace = Some(trace);
-    picture::draw(&Scene {
-        plan,
-        parameters,
-        state,
-        timed: &timed,
-        projection: &projection,
-        trace,
-    })
+    let scene = Scene { plan, parameters, state, timed: &timed, projection: &projection, trace };
+    Ok(picture::draw(&scene))
 }
 
 fn put(path: &Path, text: &str) -> Result<(), Failure> {

@@ -41,7 +41,8 @@ fn show(plan: &Plan, trace: &Trace) {
             Happened::Planned { why, .. } => eprintln!("{at}: planned {why:?}"),
             Happened::Truth(_) | Happened::Estimate { .. } | Happened::Requested(_) => {}
             Happened::Dispatched(d) => eprintln!("{at}: started {} {d:?}", name(d.id)),
-            Happened::Ended { id, .. } | Happened::Aborted { id, .. }
+            Happened::Ended { id, .. }
+            | Happened::Aborted { id, .. }
             | Happened::NotStarted { id, .. } => eprintln!("{at}: {} {:?}", name(*id), entry.what),
             other => eprintln!("{at}: {other:?}"),
         }

@@ -23,7 +23,8 @@ struct Document<'a> {
 pub(super) fn run(args: &PlanRunArgs, setup: &Setup, executions: u64) -> Result<Exit, Failure> {
     let seeds = args.seed..args.seed.saturating_add(executions);
     let bar = ProgressBar::new(executions);
-    if let Ok(style) = ProgressStyle::with_template("{bar:30} {pos} of {len} executions, {eta} left")
+    if let Ok(style) =
+        ProgressStyle::with_template("{bar:30} {pos} of {len} executions, {eta} left")
     {
         bar.set_style(style);
     }
@@ -32,9 +33,10 @@ pub(super) fn run(args: &PlanRunArgs, setup: &Setup, executions: u64) -> Result<
         let draws = Draws::new(&setup.plan, seed, &Odds::default());
         Setup { draws, seed, ..setup.clone() }
     };
-    let counts = campaign(seeds.clone(), threads, &of_seed, &|| super::plan, &violations, &|done| {
-        bar.set_position(done);
-    });
+    let counts =
+        campaign(seeds.clone(), threads, &of_seed, &|| super::plan, &violations, &|done| {
+            bar.set_position(done);
+        });
     bar.finish_and_clear();
     let counts = counts
         .map_err(|(seed, why)| Failure::failed(format!("the execution of seed {seed}: {why}")))?;
@@ -53,11 +55,8 @@ fn print(args: &PlanRunArgs, seeds: [u64; 2], counts: &Counts) -> Result<(), Fai
         return Ok(());
     }
     summary::table(&counts.summary, None)?;
-    let told: Vec<_> = counts
-        .violations
-        .iter()
-        .map(|(seed, what)| format!("seed {seed}: {what}"))
-        .collect();
+    let told: Vec<_> =
+        counts.violations.iter().map(|(seed, what)| format!("seed {seed}: {what}")).collect();
     summary::verdict(usize::try_from(counts.violated).unwrap_or(usize::MAX), told.iter())?;
     Ok(())
 }

@@ -39,14 +39,20 @@ impl<'a> Lines<'a> {
             }
             Happened::ToldToEnd(id) => (plain, format!("{} is told to end", name(id))),
             Happened::Ended { id, outcome: Outcome::Succeeded, data } => {
-                let data = if data.get() == 0 { String::new() } else { format!(": {}", bytes(data.get())) };
+                let data = if data.get() == 0 {
+                    String::new()
+                } else {
+                    format!(": {}", bytes(data.get()))
+                };
                 (GOOD, format!("{} succeeded{data}", name(id)))
             }
             Happened::Ended { id, .. } => (BAD, format!("{} failed", name(id))),
             Happened::Aborted { id, cause, .. } => {
                 (BAD, format!("{} is aborted: {}", name(id), because(*cause)))
             }
-            Happened::Paused(id) => (ODD, format!("{} is paused: its tickets were taken", name(id))),
+            Happened::Paused(id) => {
+                (ODD, format!("{} is paused: its tickets were taken", name(id)))
+            }
             Happened::Resumed(id) => (plain, format!("{} goes on", name(id))),
             Happened::NotStarted { id, why } => {
                 // That nothing has to be cleaned up is no news.
@@ -63,7 +69,9 @@ impl<'a> Lines<'a> {
             Happened::Window { index, open } => {
                 (plain, format!("window {} {}", index + 1, if *open { "opens" } else { "closes" }))
             }
-            Happened::Variable { name, value: Some(value) } => (plain, format!("{name} is {value}")),
+            Happened::Variable { name, value: Some(value) } => {
+                (plain, format!("{name} is {value}"))
+            }
             Happened::Variable { name, value: None } => (plain, format!("{name} is unknown")),
             Happened::HandedOver => (plain, "the next plan takes over".to_owned()),
             Happened::NoNextPlan(why) => (ODD, format!("this plan goes on: {why}")),

@@ -19,7 +19,9 @@ pub(super) fn read(
     let text = fs::read(path)
         .map_err(|error| Failure::failed(format!("{name} cannot be read: {error}")))?;
     let mishaps: Vec<Mishap> = serde_json::from_slice(&text).map_err(|error| {
-        Failure::failed(format!("{name} is no list of faults, as `plan run --help` has one: {error}"))
+        Failure::failed(format!(
+            "{name} is no list of faults, as `plan run --help` has one: {error}"
+        ))
     })?;
     for mishap in &mishaps {
         unknown(mishap, plan, parameters, state)
@@ -28,12 +30,7 @@ pub(super) fn read(
     Ok(Script(mishaps))
 }
 
-fn unknown(
-    mishap: &Mishap,
-    plan: &Plan,
-    parameters: &Parameters,
-    state: &State,
-) -> Option<String> {
+fn unknown(mishap: &Mishap, plan: &Plan, parameters: &Parameters, state: &State) -> Option<String> {
     let has = |id: &ActivityId| plan.activities.iter().any(|activity| activity.id == *id);
     match mishap {
         Mishap::HeaterDead { zone, .. } => {

@@ -45,11 +45,8 @@ pub(super) fn verdict<'v>(
 
 /// Counts in rows; beside them those of the plan as it stood, if there are any.
 pub(super) fn table(here: &Summary, there: Option<&Summary>) -> io::Result<()> {
-    let header: &[&str] = if there.is_some() {
-        &["", "executed", "as it stood"]
-    } else {
-        &["", "executed"]
-    };
+    let header: &[&str] =
+        if there.is_some() { &["", "executed", "as it stood"] } else { &["", "executed"] };
     let mut table = out::table(header);
     let mut row = |name: String, of: &dyn Fn(&Summary) -> String| {
         let mut cells = vec![name, of(here)];

@@ -158,11 +158,15 @@ const MUTANTS: &[(Rule, &str, Mutant)] = &[
         }),
     ),
     (Rule::Heating, "heated 1 ms too short", Asked(|world| heated(world, -1))),
-    (Rule::Heating, "no heating", Asked(|world| {
+    (
+        Rule::Heating,
+        "no heating",
+        Asked(|world| {
             for zone in &mut world.parameters.zones {
                 zone.table.clear();
             }
-        })),
+        }),
+    ),
     (Rule::HeatedTwice, "heated 1 ms too long", Asked(|world| heated(world, 1))),
     (
         Rule::HeatedTwice,

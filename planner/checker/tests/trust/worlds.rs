@@ -101,11 +101,7 @@ impl Make {
             mandatory_from: 8,
             soft_min_soc: soft,
             hard_min_soc: Ppm::new(soft.get() / 2),
-            max_soc: if self.chance(20) {
-                Ppm::new(1_000_000)
-            } else {
-                self.ppm(60, 100)
-            },
+            max_soc: if self.chance(20) { Ppm::new(1_000_000) } else { self.ppm(60, 100) },
             peak_limit: self.watts(180, 320),
             engines: self.rng.u32(1..=3),
             rtg,
