@@ -8,6 +8,8 @@
 mod activities;
 mod worlds;
 
+use serde::{Deserialize, Serialize};
+
 use crate::parameters::Parameters;
 use crate::plan::Plan;
 use crate::state::State;
@@ -26,7 +28,7 @@ pub struct Shape {
 }
 
 /// A plan with its parameters and the state before it.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct World {
     /// The plan.
     pub plan: Plan,
@@ -48,6 +50,13 @@ impl Shape {
     #[must_use]
     pub const fn small(activities: usize, seed: u64) -> Self {
         Self { activities, per_sol: None, draw: 100, seed }
+    }
+
+    /// Of everything that it draws: what was worked out from a world elsewhere
+    /// can tell whether it is the same one.
+    #[must_use]
+    pub fn checksum(self) -> u32 {
+        crc32fast::hash(format!("{:?}", self.draw()).as_bytes())
     }
 
     /// Draws it.

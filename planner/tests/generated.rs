@@ -17,10 +17,10 @@ fn equal_seeds_draw_equal_worlds() {
 }
 
 #[test]
-fn a_world_of_sols_has_everything_and_leaves_something_out() {
-    let world = Shape::sols(150, 1).draw();
+fn a_world_of_sols_has_everything() {
+    let world = Shape::sols(400, 1).draw();
     let activities = &world.plan.activities;
-    assert_eq!(activities.len(), 150);
+    assert_eq!(activities.len(), 400);
     let kinds: BTreeSet<_> = activities
         .iter()
         .map(|one| match one.kind {
@@ -31,34 +31,29 @@ fn a_world_of_sols_has_everything_and_leaves_something_out() {
             Kind::ManualShutdown { .. } => "manual",
         })
         .collect();
-    assert!(
-        kinds.is_superset(&["generic", "expanding", "stay awake", "cleanup"].into()),
-        "{kinds:?}"
-    );
+    let wanted = ["generic", "expanding", "stay awake", "cleanup"];
+    assert!(wanted.iter().all(|kind| kinds.contains(kind)), "{kinds:?}");
     assert!(activities.iter().any(|one| one.group.is_some()));
     assert!(activities.iter().any(|one| one.zones.len() == 2));
     assert!(activities.iter().any(|one| !one.after.is_empty()));
     assert!(activities.iter().any(|one| !one.impacts.is_empty()));
     assert!(activities.iter().any(|one| one.priority >= world.parameters.mandatory_from));
+    assert!(Problem::new(&world.plan, &world.parameters, &world.state).is_ok());
+}
+
+#[test]
+fn a_crowded_sol_leaves_something_out_for_its_charge() {
+    let world = Shape { per_sol: Some(60), draw: 200, ..Shape::sols(60, 1) }.draw();
     let problem = Problem::new(&world.plan, &world.parameters, &world.state).expect("it is fit");
     let timed = schedule(&problem, None);
-    let reasons: Vec<_> = timed
-        .rows
-        .iter()
-        .filter_map(|row| match &row.fate {
-            Fate::Out(reason) => Some(reason),
-            _ => None,
-        })
-        .collect();
-    let scheduled = 150 - reasons.len();
-    assert!(scheduled > 50 && reasons.len() > 20, "{scheduled} of 150");
-    let limit = |wanted: &Limit| {
-        reasons
-            .iter()
-            .any(|reason| matches!(reason, Reason::Limit { limit, .. } if limit == wanted))
-    };
-    assert!(limit(&Limit::SoftMinimum), "the charge is in the way of some: {reasons:?}");
-    assert!(timed.awake.len() > 2 && !timed.preheats.is_empty());
+    let mut reasons = timed.rows.iter().filter_map(|row| match &row.fate {
+        Fate::Out(reason) => Some(reason),
+        _ => None,
+    });
+    let charge =
+        |reason: &Reason| matches!(reason, Reason::Limit { limit: Limit::SoftMinimum, .. });
+    assert!(reasons.any(charge), "{:?}", timed.rows);
+    assert!(!timed.awake.is_empty() && !timed.preheats.is_empty());
 }
 
 #[test]
