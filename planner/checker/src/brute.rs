@@ -26,7 +26,7 @@ pub fn reference(
     incumbent: Option<&TimedPlan>,
 ) -> TimedPlan {
     let scene = Scene::new(plan, parameters, state, incumbent);
-    let mut pass = Pass { world: World::base(&scene), scene: &scene, excess: Vec::new() };
+    let mut pass = Pass::new(&scene);
     let order = order(&scene);
     // What was expanded drains more, so that one that was left out may fit.
     while pass.round(&order) {
@@ -38,13 +38,18 @@ pub fn reference(
     pass.answer()
 }
 
-struct Pass<'s, 'a> {
+/// A plan in the making.
+pub(crate) struct Pass<'s, 'a> {
     scene: &'s Scene<'a>,
-    world: World<'a>,
+    pub(crate) world: World<'a>,
     excess: Vec<Excess>,
 }
 
-impl Pass<'_, '_> {
+impl<'s, 'a> Pass<'s, 'a> {
+    pub(crate) fn new(scene: &'s Scene<'a>) -> Self {
+        Self { world: World::base(scene), scene, excess: Vec::new() }
+    }
+
     /// Tries all that are not in, in order: whether one came in.
     fn round(&mut self, order: &[usize]) -> bool {
         let mut any = false;
@@ -59,7 +64,7 @@ impl Pass<'_, '_> {
         any
     }
 
-    fn place(&mut self, placed: Placed) {
+    pub(crate) fn place(&mut self, placed: Placed) {
         let with = self.world.with(self.scene, placed);
         if !self.scene.is_optional(placed.index) {
             self.excess.extend(exceeded(self.scene, &self.world, &with, placed.index));
@@ -78,7 +83,7 @@ impl Pass<'_, '_> {
         }
     }
 
-    fn answer(self) -> TimedPlan {
+    pub(crate) fn answer(self) -> TimedPlan {
         let activities = self.scene.plan.activities.iter().enumerate();
         let rows = activities.map(|(index, a)| Row { id: a.id, fate: self.fate(index) }).collect();
         let phases = self.world.phases.iter();

@@ -170,7 +170,7 @@ impl Walk<'_> {
         let allowed = |down: i64| {
             let charge = self.flow.run(self.charge, up, down, awake);
             let charge = self.flow.run(charge, down, down + shutdown, shutting);
-            let sleep = self.rules.min_sleep.min(end - down - shutdown).max(0);
+            let sleep = self.rules.min_sleep.max(1).min(end - down - shutdown).max(0);
             let full = charge + i128::from(sleep) * self.rules.surplus;
             full.min(self.flow.capacity()) <= self.rules.most
         };

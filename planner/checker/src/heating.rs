@@ -95,5 +95,5 @@ fn uses(scene: &Scene<'_>, placed: &[Placed], zone: &str) -> Vec<Use> {
         let (start, end) = (ended.started?.get(), ended.ended.get());
         (!(cold && end <= scene.now)).then_some(Use { index, start, end })
     });
-    past.chain(warm).collect()
+    past.chain(warm).filter(|one| one.start < one.end).collect()
 }

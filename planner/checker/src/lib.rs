@@ -9,6 +9,7 @@
 //! - [`check`]: a timed plan keeps every rule;
 //! - [`reference()`]: the same plan again, by trying every millisecond, in small
 //!   worlds;
+//! - [`naive`] and [`optimum`]: what a plan is worth beside others;
 //! - [`check_trace`]: an execution kept every rule, in truth and not by estimate.
 
 #![forbid(unsafe_code)]
@@ -23,6 +24,7 @@ mod given;
 mod heating;
 mod lines;
 mod needs;
+mod peers;
 mod scene;
 mod shared;
 mod sleep;
@@ -38,6 +40,7 @@ use faregate_planner::{Parameters, Plan, State, TimedPlan};
 
 pub use brute::reference;
 pub use execution::check_trace;
+pub use peers::{naive, optimum};
 pub use violation::{Rule, Violation};
 
 /// How hard to look for a start in a sleep.

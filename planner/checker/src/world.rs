@@ -173,7 +173,7 @@ pub(crate) fn needs(
 pub(crate) fn begin(scene: &Scene<'_>) -> Begin {
     let (parameters, state) = (scene.parameters, scene.state);
     let since = state.mode_since;
-    if scene.manual().iter().any(|block| block.start < scene.now) {
+    if scene.manual().iter().any(|block| block.start <= scene.now) {
         return Begin::Block;
     }
     match state.mode {

@@ -5,4 +5,6 @@ mod brute;
 mod executions;
 mod mutants;
 mod planner;
+mod properties;
+mod values;
 mod worlds;

@@ -6,7 +6,7 @@ use faregate_planner::units::Time;
 use faregate_planner::{Problem, schedule};
 
 use crate::brute::{seeds, told, wrong};
-use crate::worlds::{DAY, TINY, World, world};
+use crate::worlds::{TINY, World, world};
 
 /// What the planner answers.
 pub(crate) fn planned(world: &World) -> TimedPlan {
@@ -20,8 +20,11 @@ pub(crate) fn planned(world: &World) -> TimedPlan {
 fn bare(timed: &TimedPlan) -> TimedPlan {
     let mut timed = timed.clone();
     for row in &mut timed.rows {
-        if let Fate::Out(reason) = &mut row.fate {
-            *reason = Reason::NoRangeLeft;
+        match &mut row.fate {
+            Fate::Out(reason) => *reason = Reason::NoRangeLeft,
+            // Which of its ranges it was started in, nobody knows any more.
+            Fate::Running(slot) => slot.range = 0,
+            Fate::Scheduled(_) | Fate::Ended(_) => {}
         }
     }
     timed
@@ -75,14 +78,4 @@ fn difference(world: &World, fast: &TimedPlan, slow: &TimedPlan) -> String {
         told += &format!(", but {:?} {:?}", slow.excess, slow.unavoidable);
     }
     told
-}
-
-#[test]
-fn thousands_of_days_keep_every_rule() {
-    for seed in 0..seeds(300) {
-        let world = world(seed, DAY);
-        let timed = planned(&world);
-        let wrong = wrong(&world, &timed, Effort::default());
-        assert_eq!(wrong, [""; 0], "seed {seed}: {}", told(&world, &timed));
-    }
 }

@@ -36,6 +36,9 @@ pub(crate) struct Scale {
 /// Every millisecond can be tried.
 pub(crate) const TINY: Scale = Scale { unit: 1, horizon: 150, activities: 8 };
 
+/// Everything can be tried.
+pub(crate) const MICRO: Scale = Scale { unit: 1, horizon: 45, activities: 4 };
+
 /// A day, in minutes and odd milliseconds.
 pub(crate) const DAY: Scale = Scale { unit: 60_000, horizon: 1_440, activities: 24 };
 
