@@ -6,7 +6,7 @@ mod amounts;
 use crate::parameters::Parameters;
 use crate::plan::{ActivityId, Outcome, Plan};
 use crate::timed::{Excess, Limit, Reason};
-use crate::units::Time;
+use crate::units::{Span, Time};
 
 pub use amounts::{amount, bytes, energy, percent, power, span};
 
@@ -85,7 +85,8 @@ impl<'a> Words<'a> {
 
     /// As exact as it says something: the second in which it is.
     fn second(&self, at: Time) -> String {
-        self.time(Time::new(at.get().div_euclid(1_000).saturating_mul(1_000)))
+        let below = self.parameters.day.time_of_day(at).get() % 1_000;
+        self.time(at.before(Span::new(below)))
     }
 
     /// A limit's name.
@@ -164,8 +165,8 @@ const fn became(outcome: Outcome) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::parameters::Day;
     use crate::plan::Activity;
-    use crate::units::Span;
 
     fn named(number: u32, name: &str) -> Activity {
         let id = ActivityId::new(number).expect("not 0");
@@ -208,6 +209,9 @@ mod tests {
         let mut excess =
             Excess { by: None, limit: Limit::Data, at: Time::new(51_600_999), amount: 1_500_000 };
         assert_eq!(words.excess(&excess), "1.5 MB above the data volume at 14:20");
+        excess.at = Time::new(Day::SOL.length.get() + 1_999);
+        assert_eq!(words.excess(&excess), "1.5 MB above the data volume at 1T00:00:01");
+        excess.at = Time::new(51_600_000);
         excess.by = ActivityId::new(1);
         assert_eq!(words.excess(&excess), "drive: 1.5 MB above the data volume at 14:20");
     }
