@@ -231,6 +231,9 @@ fn an_execution_is_drawn_over_its_plan() {
     for words in signs.into_iter().chain(["aborted: hard limit of charge"]) {
         assert!(all.contains_key(words), "{words}: {all:#?}");
     }
+    for piece in ["09:50 to 10:00", "10:10 to 10:40"] {
+        assert!(all.contains_key(&format!("1  drive &lt;north&gt;: {piece}")), "{piece}: {all:#?}");
+    }
     assert!(all.contains_key("wakes up 09:10, is up 09:15 to 10:40, asleep 10:45"), "{all:#?}");
 }
 
