@@ -24,6 +24,7 @@
 //! | [`generate`] | plans drawn from a seed |
 //! | [`mod@file`] | plans, parameters and states in files |
 //! | [`execute`] | the control thread: dispatches, checks, aborts |
+//! | [`tasks`] | a timed plan as tasks of the schedule manager |
 //! | [`words`] | the same in words |
 //! | [`picture`] | the same as a picture |
 //! | [`trace`] | what happened when a plan was executed |
@@ -45,6 +46,7 @@ pub mod project;
 pub mod schedule;
 pub mod search;
 pub mod state;
+pub mod tasks;
 pub mod timed;
 pub mod timeline;
 pub mod trace;

@@ -1,0 +1,154 @@
+//! An activity as a task.
+
+use faregate_scheduler::task::{
+    Body, Dependency, Overrun, Preemption, Status as TaskStatus, Step, Task, TaskId,
+};
+use faregate_scheduler::tickets::MOST_GATES;
+use faregate_scheduler::time::Duration;
+
+use super::generated::Generated;
+use super::translate::{Given, Held, duration, hold_length};
+use super::{Misfit, library};
+use crate::plan::{Activity, Dependency as Prior, Kind, Outcome};
+use crate::timed::{Fate, Slot};
+use crate::units::Time;
+
+impl Given<'_> {
+    pub(super) fn activity(
+        &self,
+        activity: &Activity,
+        slot: Slot,
+        held: &[(TaskId, Generated, Held)],
+    ) -> Result<Task, Vec<Misfit>> {
+        let id = TaskId::new(activity.id.get()).ok_or_else(|| vec![Misfit::Numbers])?;
+        let body = self.body(activity, slot).map_err(|wrong| vec![wrong])?;
+        let gates = match &body {
+            Body::Sequence(steps) => library::gates(steps),
+            _ => Vec::new(),
+        };
+        self.commands(activity, &gates)?;
+        let devices = self.devices(&gates);
+        let parameters = &self.setting.parameters;
+        let mandatory = activity.priority >= parameters.mandatory_from;
+        Ok(Task {
+            name: activity.name.clone(),
+            windows: vec![self.window(slot.start, self.closes(activity, slot))],
+            cutoff: self.at(self.cutoff(activity, slot, mandatory)),
+            duration: match body {
+                Body::Hold => hold_length(slot),
+                _ => duration(slot.length()),
+            },
+            categories: activity.resources,
+            priority: self.priority(activity),
+            peak_draw: activity.peak.saturating_sub(devices),
+            average_draw: activity.marginal.saturating_sub(devices),
+            data: u64::try_from(activity.data.get()).unwrap_or(0),
+            preemption: if activity.pausable {
+                Preemption::Pause
+            } else {
+                Preemption::Kill { grace: Duration::ZERO }
+            },
+            overrun: match activity.kind {
+                // It has a grace first, at the end of which is its cutoff.
+                Kind::Expanding { .. } => Overrun::Report,
+                _ if mandatory => Overrun::Report,
+                _ => Overrun::Abort,
+            },
+            after: self.after(activity, slot, held),
+            gates,
+            mandatory,
+            ..Task::new(id, body)
+        })
+    }
+
+    /// What it runs. An expanding one is told to end at its planned end: no
+    /// later command of its sequence is issued.
+    fn body(&self, activity: &Activity, slot: Slot) -> Result<Body, Misfit> {
+        let Some(name) = &activity.sequence else { return Ok(Body::Hold) };
+        let steps = self.setting.library.steps(name);
+        let steps = steps.ok_or_else(|| Misfit::Sequence(activity.id, name.clone()))?;
+        let expands = matches!(activity.kind, Kind::Expanding { .. });
+        let until = duration(slot.length());
+        let issued = |step: &&Step| !expands || step.offset <= until;
+        Ok(Body::Sequence(steps.iter().filter(issued).cloned().collect()))
+    }
+
+    /// Whether the mission has these gates, and the plan counts their devices.
+    fn commands(&self, activity: &Activity, gates: &[String]) -> Result<(), Vec<Misfit>> {
+        let devices = &self.setting.mission.devices;
+        let unknown = gates.iter().filter(|gate| !devices.iter().any(|one| one.name == **gate));
+        let mut wrong: Vec<_> =
+            unknown.map(|gate| Misfit::Gate(activity.id, gate.clone())).collect();
+        if gates.len() > MOST_GATES {
+            wrong.push(Misfit::Gates(activity.id, gates.len()));
+        }
+        let more = self.devices(gates).saturating_sub(activity.peak);
+        if !more.is_zero() {
+            wrong.push(Misfit::Peak(activity.id, more.get()));
+        }
+        if wrong.is_empty() { Ok(()) } else { Err(wrong) }
+    }
+
+    /// Its range, and what a device that is still made safe may cost.
+    fn closes(&self, activity: &Activity, slot: Slot) -> Time {
+        let range = activity.starts.get(slot.range);
+        let last = range.map_or(slot.start, |range| range.to.max(slot.start));
+        last.after(self.setting.parameters.handover_tolerance)
+    }
+
+    fn cutoff(&self, activity: &Activity, slot: Slot, mandatory: bool) -> Time {
+        let end = self.setting.plan.end;
+        let cutoff = activity.starts.get(slot.range).map_or(end, |range| range.cutoff.min(end));
+        match activity.kind {
+            Kind::Expanding { .. } if !mandatory => {
+                cutoff.min(slot.end.after(self.setting.parameters.expansion_grace))
+            }
+            // What may be late by the tolerance ends as late.
+            _ => cutoff,
+        }
+    }
+
+    /// What must be over first. A prior that has ended agrees already, or the
+    /// planner would not have it here.
+    fn after(
+        &self,
+        activity: &Activity,
+        slot: Slot,
+        held: &[(TaskId, Generated, Held)],
+    ) -> Vec<Dependency> {
+        let priors = activity.after.iter().filter_map(|prior| self.prior(prior));
+        let heating = activity.zones.iter().filter_map(|zone| {
+            let of_zone = held.iter().filter_map(|(id, what, _)| match what {
+                Generated::Heating(name, end) if name == zone => Some((*end, *id)),
+                _ => None,
+            });
+            let last = of_zone.filter(|(end, _)| *end <= slot.start).max();
+            last.map(|(_, task)| Dependency { task, status: TaskStatus::Succeeded })
+        });
+        let mut after: Vec<_> = priors.collect();
+        for one in heating {
+            if !after.contains(&one) {
+                after.push(one);
+            }
+        }
+        after
+    }
+
+    /// The planner counts on success. A task waits for one status, and so for
+    /// the widest one that the plan allows; where that is narrower than what the
+    /// plan says, a new plan brings the activity back.
+    fn prior(&self, prior: &Prior) -> Option<Dependency> {
+        let at = self.setting.plan.activities.iter().position(|one| one.id == prior.prior)?;
+        let fate = &self.timed.rows.get(at)?.fate;
+        if !matches!(fate, Fate::Scheduled(_) | Fate::Running(_)) {
+            return None;
+        }
+        let allows = |outcome| prior.statuses.iter().any(|status| status.includes(outcome));
+        let status = match (allows(Outcome::Failed), allows(Outcome::Aborted)) {
+            (true, true) => TaskStatus::Finished,
+            (true, false) => TaskStatus::Completed,
+            (false, _) => TaskStatus::Succeeded,
+        };
+        Some(Dependency { task: TaskId::new(prior.prior.get())?, status })
+    }
+}

@@ -1,0 +1,212 @@
+//! A new timed plan, as what changes in the schedule.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use faregate_agents::Categories;
+use faregate_scheduler::manager::{Addition, Telecommand};
+use faregate_scheduler::task::{Task, TaskId, When};
+
+use super::{Director, Live};
+use crate::plan::Condition;
+use crate::tasks::Misfit;
+use crate::tasks::engines;
+use crate::tasks::generated::Generated;
+use crate::tasks::translate::Given;
+use crate::timed::{Fate, TimedPlan};
+use crate::units::Time;
+
+impl Director {
+    /// Executes this timed plan from now on. What runs is left alone, and so is
+    /// what the present plan starts within the commit window.
+    ///
+    /// # Errors
+    /// What keeps it from becoming tasks: the present plan goes on.
+    pub fn adopt(&mut self, timed: TimedPlan) -> Result<(), Vec<Misfit>> {
+        let mut numbers = self.numbers.clone();
+        let (runs, given) = (self.engines(true), self.engines(false));
+        let tasks = Given {
+            setting: &self.setting,
+            windows: &self.state.windows,
+            timed: &timed,
+            now: self.state.now,
+            runs: &runs,
+            given: &given,
+        }
+        .tasks(&mut numbers)?;
+        self.numbers = numbers;
+        self.timed = timed;
+        self.planned_at = self.state.now;
+        self.wishes.clear();
+        self.change_to(tasks);
+        self.hold_and_let_go();
+        Ok(())
+    }
+
+    /// The timed plan that a new one is made from: what waits for its tickets
+    /// begins now, and not in the past.
+    #[must_use]
+    pub fn incumbent(&self) -> TimedPlan {
+        let mut timed = self.timed.clone();
+        for row in &mut timed.rows {
+            let Fate::Scheduled(slot) = &mut row.fate else { continue };
+            let waits = TaskId::new(row.id.get()).is_some_and(|id| self.waits(id));
+            if waits && slot.start < self.state.now {
+                slot.end = self.state.now.after(slot.length());
+                slot.start = self.state.now;
+            }
+        }
+        timed
+    }
+
+    fn waits(&self, id: TaskId) -> bool {
+        self.live.get(&id).is_some_and(|live| !live.started)
+    }
+
+    /// Engines of what has started, or has not.
+    fn engines(&self, started: bool) -> BTreeMap<TaskId, Categories> {
+        let count = self.setting.parameters.engines;
+        let all = engines::all(&self.setting.mission, count).unwrap_or_default();
+        let all = all.into_iter().fold(Categories::NONE, Categories::union);
+        let live = self.live.iter().filter(|(_, live)| live.started == started);
+        let has = live.map(|(id, live)| (*id, live.task.categories.shared(all)));
+        has.filter(|(_, has)| !has.is_empty()).collect()
+    }
+
+    fn change_to(&mut self, tasks: Vec<Task>) {
+        let mut wanted: BTreeMap<TaskId, Task> =
+            tasks.iter().map(|task| (task.id, task.clone())).collect();
+        let mut removed = BTreeSet::new();
+        let mut moved = Vec::new();
+        for (id, live) in &self.live {
+            match wanted.get(id) {
+                // A shutdown is not called back.
+                None if live.started && (self.is_activity(*id) || self.is_shutdown(*id)) => {}
+                None => {
+                    removed.insert(*id);
+                }
+                Some(_) if live.started => {}
+                Some(new) if self.stays(&live.task, new) => {}
+                Some(new) if differs_in_windows_alone(&live.task, new) => moved.push(*id),
+                Some(_) => {
+                    removed.insert(*id);
+                }
+            }
+        }
+        self.with_dependants(&mut removed);
+        moved.retain(|id| !removed.contains(id));
+        self.remove(&removed);
+        for id in &moved {
+            self.move_to(*id, &wanted);
+        }
+        wanted.retain(|id, _| !self.live.contains_key(id));
+        // In the order of the plan, which decides among equals.
+        self.add(tasks.into_iter().filter(|task| wanted.contains_key(&task.id)).collect());
+    }
+
+    /// What depends on something that leaves the schedule leaves it, too, and
+    /// comes in again.
+    fn with_dependants(&self, removed: &mut BTreeSet<TaskId>) {
+        loop {
+            let lost = |live: &Live| live.task.after.iter().any(|on| removed.contains(&on.task));
+            let more: Vec<_> = self
+                .live
+                .iter()
+                .filter(|(id, live)| !live.started && !removed.contains(id) && lost(live))
+                .map(|(id, _)| *id)
+                .collect();
+            if more.is_empty() {
+                return;
+            }
+            removed.extend(more);
+        }
+    }
+
+    /// One telecommand for each: one that is over by now is refused alone.
+    fn remove(&mut self, removed: &BTreeSet<TaskId>) {
+        for id in removed {
+            self.live.remove(id);
+            self.held.remove(id);
+            self.orders.push(Telecommand::Remove(vec![*id]));
+        }
+    }
+
+    fn move_to(&mut self, id: TaskId, wanted: &BTreeMap<TaskId, Task>) {
+        let Some((live, new)) = self.live.get_mut(&id).zip(wanted.get(&id)) else { return };
+        live.task.windows.clone_from(&new.windows);
+        live.start = start_of(self.setting.epoch, new);
+        self.orders.push(Telecommand::SetWindows(id, new.windows.clone()));
+    }
+
+    fn add(&mut self, tasks: Vec<Task>) {
+        if tasks.is_empty() {
+            return;
+        }
+        for task in &tasks {
+            let start = start_of(self.setting.epoch, task);
+            let live = Live { task: task.clone(), start, started: false };
+            self.live.insert(task.id, live);
+        }
+        let additions = tasks.into_iter().map(|task| Addition { task }).collect();
+        self.orders.push(Telecommand::Add(additions));
+    }
+
+    /// Whether a task that has not started need not be touched. What is due
+    /// already begins now in the new plan.
+    fn stays(&self, old: &Task, new: &Task) -> bool {
+        let now = self.state.now;
+        let epoch = self.setting.epoch;
+        let start = |task| start_of(epoch, task).max(now);
+        let closes = |task: &Task| task.windows.first().map(|window| window.closes);
+        let is_same_time = start(old) == start(new) && closes(old) == closes(new);
+        let is_soon = start(new) < now.after(self.setting.parameters.commit);
+        let is_same = old.categories == new.categories
+            && (is_soon || (old.after == new.after && alike(old, new)));
+        is_same_time && is_same
+    }
+
+    fn is_activity(&self, id: TaskId) -> bool {
+        self.activity(id).is_some()
+    }
+
+    fn is_shutdown(&self, id: TaskId) -> bool {
+        matches!(self.numbers.what(id), Some(Generated::Shutdown(_)))
+    }
+
+    /// Tasks of which a condition does not hold are held; it is looked at again
+    /// with each change of a variable.
+    pub(super) fn hold_and_let_go(&mut self) {
+        let waiting: Vec<_> =
+            self.live.iter().filter(|(_, live)| !live.started).map(|(id, _)| *id).collect();
+        for id in waiting {
+            let conditions = self.activity(id).map(|one| one.conditions.as_slice());
+            let holds = conditions.unwrap_or_default().iter().all(|one| self.holds(one));
+            if !holds && self.held.insert(id) {
+                self.orders.push(Telecommand::Hold(id));
+            } else if holds && self.held.remove(&id) {
+                self.orders.push(Telecommand::Resume(id));
+            }
+        }
+    }
+
+    /// An unknown variable satisfies nothing.
+    fn holds(&self, condition: &Condition) -> bool {
+        let value = self.state.variables.get(&condition.name);
+        value.is_some_and(|value| (condition.min..=condition.max).contains(value))
+    }
+}
+
+fn start_of(epoch: crate::tasks::Epoch, task: &Task) -> Time {
+    match task.windows.first().map(|window| window.opens) {
+        Some(When::At(at)) => epoch.time(at),
+        _ => Time::ZERO,
+    }
+}
+
+fn alike(old: &Task, new: &Task) -> bool {
+    Task { windows: Vec::new(), after: Vec::new(), ..old.clone() }
+        == Task { windows: Vec::new(), after: Vec::new(), ..new.clone() }
+}
+
+fn differs_in_windows_alone(old: &Task, new: &Task) -> bool {
+    old.after == new.after && alike(old, new)
+}
