@@ -70,7 +70,9 @@ impl Optimum {
         if shape.checksum() != self.checksum {
             let Self { activities, seed, .. } = self;
             let which = format!("{activities} activities, seed {seed}");
-            return Err(format!("{which}: another world than the solver's; run ci/optimum.sh").into());
+            return Err(
+                format!("{which}: another world than the solver's; run ci/optimum.sh").into()
+            );
         }
         let problem = problem(&shape.draw())?;
         let once = Worth::of(&problem, &schedule(&problem, None));
@@ -103,5 +105,11 @@ fn report(bench: &mut Bench, parts: &[Parts], (drawn, proven): (usize, usize)) {
     bench.figure(21, name, share(parts.len(), drawn), "%", Target::None);
     let name = "of these, the optimum beats the one pass in";
     bench.figure(21, name, share(beaten, parts.len()), "%", Target::None);
-    bench.figure(21, "of these, the solver proved the optimum in", share(proven, parts.len()), "%", Target::None);
+    bench.figure(
+        21,
+        "of these, the solver proved the optimum in",
+        share(proven, parts.len()),
+        "%",
+        Target::None,
+    );
 }
