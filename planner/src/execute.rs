@@ -194,6 +194,8 @@ pub struct Control {
     spent: bool,
     /// Something ended before its planned end, and what comes next may start.
     freed: bool,
+    /// A new plan was wanted for that: its next activity may start, too.
+    tries_again: bool,
     wishes: BTreeSet<Why>,
     planned_at: Time,
     /// What a new plan was wanted for since the last one: not again.
@@ -242,6 +244,7 @@ impl Control {
             below_soft: 0,
             spent: false,
             freed: false,
+            tries_again: false,
             wishes: BTreeSet::new(),
             planned_at: now,
             wished: BTreeSet::new(),

@@ -40,6 +40,17 @@ impl Default for Odds {
 }
 
 impl Odds {
+    /// A bad day: one in five takes up to three times as long, so that cutoffs
+    /// come; one in ten fails.
+    pub const HARSH: Self = Self {
+        fail: 100,
+        overrun: 200,
+        shortest: 500,
+        longest: 3_000,
+        power: (800, 1_000),
+        data: (700, 1_050),
+    };
+
     /// Everything takes exactly what was planned.
     pub const NONE: Self = Self {
         fail: 0,

@@ -65,6 +65,7 @@ impl Control {
         self.timed = timed;
         self.planned_at = self.now();
         self.wished.clear();
+        self.freed |= std::mem::take(&mut self.tries_again);
         let given_up: Vec<_> = self.asked.keys().filter(|id| !self.is_due(**id)).copied().collect();
         for id in given_up {
             self.withdraw(id);

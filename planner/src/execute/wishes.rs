@@ -22,8 +22,9 @@ impl Control {
             return self.wishes.clear();
         }
         if self.state.mode == Mode::Awake && !self.wishes.is_empty() {
-            let wishes = std::mem::take(&mut self.wishes).into_iter().collect();
+            let wishes: Vec<_> = std::mem::take(&mut self.wishes).into_iter().collect();
             self.planned_at = self.now();
+            self.tries_again |= wishes.iter().any(|why| is_gap(*why));
             self.actions.push(Action::Replan(wishes));
         }
     }
@@ -89,4 +90,9 @@ impl Control {
         let commit = self.parameters.commit.get().max(1_000);
         self.planned_at.after(Span::new(commit))
     }
+}
+
+/// Whether there is time now that was planned for something else.
+const fn is_gap(why: Why) -> bool {
+    matches!(why, Why::EndedEarly(_) | Why::Outcome(_) | Why::NotStarted(_))
 }

@@ -33,7 +33,8 @@ pub(crate) struct PlanRunArgs {
     /// Draws what happened into this file.
     #[arg(long, value_name = "OUT.svg", conflicts_with = "campaign")]
     pub(crate) svg: Option<PathBuf>,
-    /// Executes the plan so many times, with a seed each, and prints the sums.
+    /// Executes the plan so many times, with a seed each, on bad days: what
+    /// goes wrong is drawn, too. Prints the sums.
     #[arg(long, value_name = "EXECUTIONS")]
     pub(crate) campaign: Option<u64>,
     /// How the result is printed: a line for each change, or a document.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use faregate_rehearsal::campaign::{Counts, campaign};
-use faregate_rehearsal::{Draws, Odds, Setup};
+use faregate_rehearsal::{Draws, Odds, Script, Setup};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
@@ -30,8 +30,10 @@ pub(super) fn run(args: &PlanRunArgs, setup: &Setup, executions: u64) -> Result<
     }
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let of_seed = |seed| {
-        let draws = Draws::new(&setup.plan, seed, &Odds::default());
-        Setup { draws, seed, ..setup.clone() }
+        let draws = Draws::new(&setup.plan, seed, &Odds::HARSH);
+        let mut script = Script::drawn(&setup.plan, &setup.parameters, &setup.state, seed);
+        script.0.extend(setup.script.0.iter().cloned());
+        Setup { draws, script, seed, ..setup.clone() }
     };
     let counts =
         campaign(seeds.clone(), threads, &of_seed, &|| super::plan, &violations, &|done| {

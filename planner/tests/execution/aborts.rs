@@ -1,0 +1,106 @@
+//! Slide "The planner aborts an activity when", and "The effects of an abort".
+
+use faregate_planner::execute::Action;
+use faregate_planner::plan::{Kind, Outcome};
+use faregate_planner::trace::{Cause, Why};
+use faregate_planner::units::Span;
+use faregate_planner::{Activity, execute::Event};
+use faregate_tickets::amount::Milliwatts;
+
+use crate::bench::{Bench, activity, id, just_before, mandatory, min};
+
+fn aborted(actions: &[Action], number: u32) -> Option<Cause> {
+    actions.iter().find_map(|action| match action {
+        Action::Abort(of, cause) if *of == id(number) => Some(*cause),
+        _ => None,
+    })
+}
+
+#[test]
+fn it_has_not_finished_by_its_absolute_cutoff_time() {
+    let mut bench = Bench::new(vec![(mandatory(1), 0)]);
+    bench.starts(1, min(0));
+    assert_eq!(aborted(&bench.tick(just_before(min(200))), 1), None);
+    assert_eq!(aborted(&bench.tick(min(200)), 1), Some(Cause::Cutoff));
+    assert_eq!(bench.outcome(1), Some(Outcome::Aborted));
+}
+
+#[test]
+fn it_is_running_when_we_hit_the_hard_state_of_charge_limit() {
+    let idle = Activity { marginal: Milliwatts::ZERO, ..mandatory(2) };
+    let mut bench = Bench::new(vec![(mandatory(1), 0), (idle, 0)]);
+    bench.starts(1, min(0));
+    bench.starts(2, min(0));
+    assert_eq!(aborted(&bench.estimate(min(1), 20, true), 1), None, "the limit is not below it");
+    let actions = bench.estimate(min(2), 19, true);
+    assert_eq!(aborted(&actions, 1), Some(Cause::HardLimit));
+    assert_eq!(aborted(&actions, 2), None, "it draws nothing");
+}
+
+#[test]
+fn an_optional_one_is_running_past_the_soft_state_of_charge_limit() {
+    let mut bench = Bench::new(vec![(activity(1), 0), (mandatory(2), 0)]);
+    bench.starts(1, min(0));
+    bench.starts(2, min(0));
+    assert_eq!(aborted(&bench.estimate(min(1), 39, true), 1), None, "one sample of two");
+    assert_eq!(aborted(&bench.estimate(min(2), 40, true), 1), None, "at the limit");
+    assert_eq!(aborted(&bench.estimate(min(3), 39, true), 1), None, "not in a row");
+    let actions = bench.estimate(min(4), 39, true);
+    assert_eq!(aborted(&actions, 1), Some(Cause::SoftLimit));
+    assert!(bench.runs(2), "mandatory are allowed to execute past it if already dispatched");
+}
+
+#[test]
+fn an_optional_one_is_running_past_its_duration() {
+    let mut bench = Bench::new(vec![(activity(1), 0), (mandatory(2), 0)]);
+    bench.starts(1, min(0));
+    bench.starts(2, min(0));
+    assert_eq!(aborted(&bench.tick(just_before(min(10))), 1), None);
+    assert_eq!(aborted(&bench.tick(min(10)), 1), Some(Cause::Duration));
+    bench.tick(min(90));
+    assert!(bench.runs(2));
+}
+
+#[test]
+fn one_that_ends_in_time_is_not_aborted() {
+    let mut bench = Bench::new(vec![(activity(1), 0)]);
+    bench.starts(1, min(0));
+    assert_eq!(aborted(&bench.ends(1, min(10), Outcome::Succeeded), 1), None);
+    assert_eq!(bench.outcome(1), Some(Outcome::Succeeded));
+}
+
+#[test]
+fn an_expanding_one_is_told_to_end_and_has_a_grace() {
+    let kind = Kind::Expanding { minimum: Span::from_mins(2) };
+    let mut bench = Bench::new(vec![(Activity { kind, ..activity(1) }, 0)]);
+    bench.starts(1, min(0));
+    let actions = bench.tick(min(10));
+    assert_eq!(actions.iter().filter(|one| **one == Action::TellToEnd(id(1))).count(), 1);
+    let over = min(10).after(Span::from_secs(30));
+    let actions = bench.tick(just_before(over));
+    assert!(!actions.contains(&Action::TellToEnd(id(1))), "it was told once");
+    assert_eq!(aborted(&actions, 1), None);
+    assert_eq!(aborted(&bench.tick(over), 1), Some(Cause::Duration));
+}
+
+#[test]
+fn an_aborted_one_allows_the_planner_to_schedule_a_cleanup() {
+    let mut bench = Bench::new(vec![(activity(1), 0)]);
+    bench.starts(1, min(0));
+    let actions = bench.event(min(3), Event::Stop(id(1)));
+    assert_eq!(aborted(&actions, 1), Some(Cause::Ordered));
+    let wanted = actions.iter().any(
+        |action| matches!(action, Action::Replan(why) if why.contains(&Why::Outcome(id(1)))),
+    );
+    assert!(wanted, "{actions:?}");
+}
+
+#[test]
+fn nothing_starts_before_the_charge_has_recovered_from_the_hard_limit() {
+    let mut bench = Bench::new(vec![(mandatory(1), 5)]);
+    bench.estimate(min(1), 19, true);
+    assert!(!bench.tick(min(5)).contains(&Action::Request(id(1))));
+    bench.estimate(min(6), 39, true);
+    assert!(!bench.tick(min(6)).contains(&Action::Request(id(1))));
+    assert!(bench.estimate(min(7), 80, true).contains(&Action::Request(id(1))));
+}

@@ -1,0 +1,10 @@
+//! The control thread, slide by slide: what it checks before a start, what it
+//! aborts, and what it starts early.
+
+mod aborts;
+mod bench;
+mod computer;
+mod dispatch;
+mod early;
+mod handover;
+mod pauses;
