@@ -7,7 +7,7 @@ use faregate_tickets::amount::{Microjoules, Milliwatts};
 
 use crate::plan::{ActivityId, Outcome};
 use crate::state::{Mode, State, Window};
-use crate::timed::TimedPlan;
+use crate::timed::{Slot, TimedPlan};
 use crate::units::{Bytes, Span, Time};
 
 /// One execution of a plan, from its begin to its end.
@@ -52,6 +52,14 @@ pub enum Happened {
         state: Box<State>,
         /// The plan.
         timed: Box<TimedPlan>,
+    },
+    /// A start that is late for want of tickets is planned for now instead: the
+    /// plan that is made next leaves it alone.
+    Pushed {
+        /// Which one.
+        id: ActivityId,
+        /// When it is to run.
+        slot: Slot,
     },
     /// An activity's tickets were asked for.
     Requested(ActivityId),

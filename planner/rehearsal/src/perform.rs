@@ -1,7 +1,7 @@
 //! What the control thread wants done.
 
 use faregate_devices_sim::rover::{RoverCommand, RunSpec};
-use faregate_planner::ActivityId;
+use faregate_planner::{ActivityId, TimedPlan};
 use faregate_planner::execute::{Action, Event, Start};
 use faregate_planner::parameters::Load;
 use faregate_planner::plan::{Activity, Kind, Outcome};
@@ -60,14 +60,25 @@ impl Host<'_, '_, '_> {
         if self.handed_over {
             return Ok(());
         }
-        let (plan, parameters) = (self.control.plan(), &self.setup.parameters);
         let incumbent = self.control.incumbent();
+        self.note_pushed(&incumbent);
+        let (plan, parameters) = (self.control.plan(), &self.setup.parameters);
         let state = Box::new(self.control.state().clone());
         let timed = planner.plan(plan, parameters, &state, Some(&incumbent));
         let timed = Box::new(timed.map_err(NotRehearsed::NoPlan)?);
         self.note(Happened::Planned { why, state, timed: timed.clone() });
         self.events.push_back(Event::Adopt(timed));
         Ok(())
+    }
+
+    fn note_pushed(&mut self, incumbent: &TimedPlan) {
+        let before = self.control.timed();
+        let slots = incumbent.rows.iter().filter_map(|row| Some((row.id, incumbent.slot(row.id)?)));
+        let pushed: Vec<_> =
+            slots.filter(|(id, slot)| before.slot(*id) != Some(*slot)).collect();
+        for (id, slot) in pushed {
+            self.note(Happened::Pushed { id, slot });
+        }
     }
 
     fn activity(&self, id: ActivityId) -> Option<Activity> {

@@ -155,7 +155,7 @@ impl<'b, 'g> Station<'b, 'g> {
         };
         let declares = |place: &Place<'g>| self.broker.redeclare(&place.handle, &declared).is_ok();
         let fits = |(index, place): (usize, &Place<'g>)| {
-            // Off, but measured in the instant in which it was made safe.
+            // Off, and not measured since it was made safe.
             let measured = || {
                 self.measure(Sensor::Place(index));
                 declares(place)
@@ -249,10 +249,14 @@ impl<'b, 'g> Station<'b, 'g> {
         }
     }
 
+    /// What is off was measured just before: whoever gets it in this instant is
+    /// seen on later than that.
     fn measure(&self, sensor: Sensor) {
-        let state = if self.is_on(sensor) { Power::On } else { Power::Off };
+        let now = self.clock.now();
+        let before = Instant::from_micros(now.as_micros().saturating_sub(1));
+        let (state, measured_at) =
+            if self.is_on(sensor) { (Power::On, now) } else { (Power::Off, before) };
         if let Some(gate) = self.gate(sensor) {
-            let measured_at = self.clock.now();
             self.broker.observe(gate, Estimate { state, measured_at });
         }
     }

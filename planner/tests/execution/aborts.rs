@@ -1,7 +1,8 @@
 //! Slide "The planner aborts an activity when", and "The effects of an abort".
 
-use faregate_planner::execute::Action;
+use faregate_planner::execute::{Action, NotReady};
 use faregate_planner::plan::{Kind, Outcome};
+use faregate_planner::state::Mode;
 use faregate_planner::trace::{Cause, Why};
 use faregate_planner::units::Span;
 use faregate_planner::{Activity, execute::Event};
@@ -99,8 +100,12 @@ fn an_aborted_one_allows_the_planner_to_schedule_a_cleanup() {
 fn nothing_starts_before_the_charge_has_recovered_from_the_hard_limit() {
     let mut bench = Bench::new(vec![(mandatory(1), 5)]);
     bench.estimate(min(1), 19, true);
-    assert!(!bench.tick(min(5)).contains(&Action::Request(id(1))));
-    bench.estimate(min(6), 39, true);
-    assert!(!bench.tick(min(6)).contains(&Action::Request(id(1))));
-    assert!(bench.estimate(min(7), 80, true).contains(&Action::Request(id(1))));
+    for (at, percent) in [(5, 19), (6, 39)] {
+        bench.estimate(min(at), percent, true);
+        assert_eq!(bench.control.waits_for(id(1)), Some(NotReady::Spent), "{percent} %");
+    }
+    bench.event(min(6), Event::Mode(Mode::Asleep));
+    assert!(bench.estimate(min(7), 80, true).contains(&Action::Wake(Span::from_mins(5))));
+    bench.event(min(12), Event::Mode(Mode::Awake));
+    bench.starts(1, min(12));
 }

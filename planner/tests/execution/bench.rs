@@ -1,6 +1,6 @@
 //! A control thread, driven by hand.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use faregate_planner::execute::{Action, Control, Event, Options};
@@ -77,6 +77,8 @@ pub(crate) fn parameters() -> Parameters {
 
 pub(crate) struct Bench {
     pub(crate) control: Control,
+    /// Whose tickets were asked for.
+    asked: BTreeSet<ActivityId>,
 }
 
 impl Bench {
@@ -113,11 +115,19 @@ impl Bench {
             ..State::default()
         };
         let control = Control::new(Arc::new(plan), Arc::new(parameters), state, timed, options);
-        Self { control }
+        Self { control, asked: BTreeSet::new() }
     }
 
     pub(crate) fn event(&mut self, at: Time, event: Event) -> Vec<Action> {
-        self.control.step(at, event)
+        let actions = self.control.step(at, event);
+        for action in &actions {
+            match action {
+                Action::Request(id) => self.asked.insert(*id),
+                Action::Withdraw(id) => self.asked.remove(id),
+                _ => continue,
+            };
+        }
+        actions
     }
 
     pub(crate) fn tick(&mut self, at: Time) -> Vec<Action> {
@@ -133,8 +143,8 @@ impl Bench {
 
     /// It asks for its tickets, gets them, and starts.
     pub(crate) fn starts(&mut self, number: u32, at: Time) {
-        let asked = self.tick(at);
-        assert!(asked.contains(&Action::Request(id(number))), "{asked:?}");
+        let actions = self.tick(at);
+        assert!(self.asked.contains(&id(number)), "{actions:?}");
         let started = self.event(at, Event::Granted(id(number)));
         assert!(is_started(&started, number), "{started:?}");
     }

@@ -86,7 +86,7 @@ fn a_member_of_a_group_that_has_started_has_used_it_up() {
 
 #[test]
 fn a_start_that_would_break_the_soft_minimum_today_waits() {
-    let hungry = Activity { marginal: crate::bench::watts(2_000), ..activity(1) };
+    let hungry = Activity { marginal: crate::bench::watts(300), ..activity(1) };
     let mut bench = Bench::new(vec![(hungry, 5)]);
     bench.estimate(min(4), 41, true);
     assert!(!asks(&bench.tick(min(5)), 1));

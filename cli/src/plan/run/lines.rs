@@ -76,6 +76,7 @@ impl<'a> Lines<'a> {
             Happened::HandedOver => (plain, "the next plan takes over".to_owned()),
             Happened::NoNextPlan(why) => (ODD, format!("this plan goes on: {why}")),
             Happened::Requested(_)
+            | Happened::Pushed { .. }
             | Happened::Revoked(_)
             | Happened::Safed(_)
             | Happened::Estimate { .. }
