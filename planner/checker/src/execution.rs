@@ -154,6 +154,7 @@ impl<'a> Walk<'a> {
             Happened::Truth(truth) => self.truth(truth),
             Happened::HandedOver => self.handed_over = true,
             Happened::Planned { .. }
+            | Happened::Pushed { .. }
             | Happened::Requested(_)
             | Happened::ToldToEnd(_)
             | Happened::Revoked(_)
