@@ -285,9 +285,15 @@ fn a_plan_and_a_state_are_judged_together() {
     // The radio alone does not need the computer, and ends do not overlap.
     assert_eq!(judged("start=\"15:40\" end=\"15:55\"", "start=\"19:30\" end=\"20:00\""), [""; 0]);
     assert_eq!(judged("start=\"08:00\" end=\"08:12\"", "start=\"18:48\" end=\"19:00\""), [""; 0]);
-    let other = r#"<ended activity="77" outcome="FAILED" ended="05:00"/><variable name="drive_p"#;
-    let unknown = judged("<variable name=\"drive_p", other);
-    assert!(unknown[0].contains("warning: the state: the plan has no activity 77"), "{unknown:?}");
+    let with =
+        |what: &str| judged("<variable name=\"drive_p", &format!("{what}<variable name=\"drive_p"));
+    let ended = with(r#"<ended activity="77" outcome="FAILED" ended="05:00"/>"#);
+    assert!(ended[0].contains("warning: the state: the plan has no activity 77"), "{ended:?}");
+    let running = with(r#"<running activity="77" started="05:00" ends="08:00" cutoff="09:00"/>"#);
+    assert!(running[0].contains("error: the state: the plan has no activity 77"), "{running:?}");
+    // What each file by itself may say, and the planner could not count.
+    let large = judged("capacity=\"2400 Wh\"", "capacity=\"2562047788 Wh\"");
+    assert!(large[0].contains("the three together: energy: so large that sums"), "{large:?}");
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Sums that could be larger than what the planner counts with are refused
-//! when a file is read: nothing later has to ask.
+//! when a file is read, with its name. Whether all files together are too large
+//! is the planner's own question.
 
 use faregate_scheduler::format::Rule;
 use faregate_scheduler::format::reading::Report;
@@ -11,7 +12,6 @@ use crate::file::xml::Element;
 use crate::parameters::{Load, Parameters};
 use crate::plan::Plan;
 use crate::state::State;
-use crate::units::Time;
 
 const MOST: i128 = i64::MAX as i128;
 
@@ -39,21 +39,6 @@ pub(super) fn state(state: &State, root: &Element<'_>, report: &mut Report<'_>) 
         + state.running.iter().map(|one| i128::from(one.data.get()).abs()).sum::<i128>();
     let peaks = state.windows.iter().map(|one| milliwatts(one.peak)).sum();
     tell(&[("data", data), ("peaks", peaks)], &mut about);
-}
-
-/// Everything at once, for the whole time.
-pub(super) fn together(
-    plan: &Plan,
-    parameters: &Parameters,
-    state: &State,
-    about: &mut About<'_, '_, '_>,
-) {
-    let windows: i128 = state.windows.iter().map(|one| milliwatts(one.marginal)).sum();
-    let all = power(plan) + loads(parameters) + windows;
-    let begins: [Time; 2] = [state.now, state.mode_since];
-    let first = begins.iter().min().map_or(0, |time| i128::from(time.get()));
-    let length = (i128::from(plan.end.get()) - first).abs();
-    tell(&[("energy", all * length + i128::from(state.capacity.get()))], about);
 }
 
 fn tell(sums: &[(&str, i128)], about: &mut About<'_, '_, '_>) {

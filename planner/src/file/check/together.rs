@@ -1,13 +1,15 @@
 //! A plan with the parameters and the state that it is to be made with.
 
-use faregate_scheduler::format::Rule;
 use faregate_scheduler::format::reading::Report;
+use faregate_scheduler::format::{Diagnostic, Rule};
 
+use crate::file::check::About;
 use crate::file::check::plan::block;
-use crate::file::check::{About, overflow};
+use crate::file::schema;
 use crate::file::xml::Element;
 use crate::parameters::Parameters;
 use crate::plan::{Activity, ActivityId, Kind, Plan};
+use crate::problem::Problem;
 use crate::state::State;
 
 /// Tells at the state's elements what does not go with the plan.
@@ -19,26 +21,32 @@ pub(in crate::file) fn together(
     report: &mut Report<'_>,
 ) {
     let mut about = About::new(root, "the state".into(), report);
-    let ids = state.ended.iter().map(|one| ("ended", one.id));
-    let ids =
-        ids.enumerate().chain(state.running.iter().map(|one| ("running", one.id)).enumerate());
-    for (index, (name, id)) in ids {
-        if !plan.activities.iter().any(|one| one.id == id) {
-            unknown(id, root.nth(name, index), &mut about);
-        }
+    for (index, ended) in state.ended.iter().enumerate().filter(|(_, one)| !knows(plan, one.id)) {
+        let element = root.nth(schema::ENDED.name, index);
+        let message = format!("the plan has no {}, which has ended", ended.id);
+        about.warn_at(element, "activity", Rule::UnknownActivity, &message, None);
+    }
+    for (index, one) in state.running.iter().enumerate().filter(|(_, one)| !knows(plan, one.id)) {
+        let element = root.nth(schema::RUNNING.name, index);
+        let message = format!("the plan has no {}, and what it draws is not known", one.id);
+        let expected = "what runs to be in the plan, the one before included";
+        about.error_at(element, "activity", Rule::UnknownActivity, &message, expected);
     }
     if plan.end < state.now {
         about.warn("now", Rule::NeverRuns, "the plan is over", None);
     }
     windows(plan, state, &mut about);
-    overflow::together(plan, parameters, state, &mut about);
+    let good = !report.found.iter().any(Diagnostic::is_error);
+    if good && let Err(unfit) = Problem::new(plan, parameters, state) {
+        let mut about = About::new(root, "the three together".into(), report);
+        for one in unfit {
+            about.error("", Rule::Range, &one.to_string(), "what can be planned from");
+        }
+    }
 }
 
-/// After a handover, what ran goes on, and its plan is another one.
-fn unknown(id: ActivityId, element: &Element<'_>, about: &mut About<'_, '_, '_>) {
-    let message = format!("the plan has no {id}");
-    let help = "this is right where the activity is of the plan before this one";
-    about.warn_at(element, "activity", Rule::UnknownActivity, &message, Some(help.into()));
+fn knows(plan: &Plan, id: ActivityId) -> bool {
+    plan.activities.iter().any(|one| one.id == id)
 }
 
 /// Nothing that needs the computer overlaps a manual shutdown, and neither of
