@@ -6,10 +6,11 @@ use std::collections::BTreeSet;
 use faregate_scheduler::format::render;
 use proptest::test_runner::{Config, TestRunner};
 
-use crate::file::generated::{occur, three};
+use crate::file::generated::three;
 use crate::file::names::Names;
 use crate::file::schema::{self, Known};
 use crate::file::words::{MODES, OUTCOMES, STATUSES, TIMELINES, TYPES, VARIABLES};
+use crate::file::xml::Element;
 use crate::file::{Document, binary, read, to_binary, to_xml, write};
 use crate::parameters::Parameters;
 
@@ -21,6 +22,19 @@ fn again(bytes: &[u8], parameters: Option<&Parameters>) -> Document {
     panic!("{}\n{}", render(&found, bytes, false), String::from_utf8_lossy(bytes))
 }
 
+/// Each attribute that occurs in a text, with its element, and each word that
+/// stands for a value of a list.
+fn occur(element: &Element<'_>, root: &str, seen: &mut BTreeSet<String>) {
+    for one in &element.attributes {
+        seen.insert(format!("{root} {} {}", element.name, one.name));
+        if ["type", "kind", "status", "mode", "outcome"].contains(&&*one.name) {
+            seen.extend(one.value.split(' ').map(str::to_owned));
+        }
+    }
+    element.children.iter().for_each(|child| occur(child, root, seen));
+}
+
+/// All that there are.
 fn all(known: &Known, root: &str, seen: &mut BTreeSet<String>) {
     let one = |attribute: &&str| format!("{root} {} {attribute}", known.name);
     seen.extend(known.attributes.iter().map(one));
