@@ -35,6 +35,7 @@ mod derive;
 mod draws;
 mod energy;
 pub mod execute;
+pub mod explain;
 pub mod file;
 pub mod generate;
 mod judge;
@@ -53,6 +54,7 @@ pub mod trace;
 pub mod units;
 pub mod words;
 
+pub use explain::explain;
 pub use parameters::Parameters;
 pub use plan::{Activity, ActivityId, Plan};
 pub use problem::Problem;

@@ -10,6 +10,7 @@ pub use unfit::Unfit;
 use crate::parameters::{Day, Load, Parameters, PreheatRow};
 use crate::plan::{Dependency, Kind, Outcome, Plan};
 use crate::state::{Mode, State};
+use crate::units::Ppm;
 
 /// What is to be planned: checked, and indexed.
 #[derive(Clone, Debug)]
@@ -164,6 +165,18 @@ impl Problem {
     #[must_use]
     pub fn order(&self) -> &[usize] {
         &self.order
+    }
+
+    /// The same with a soft minimum of so many millionths.
+    pub(crate) fn with_soft(mut self, soft: Ppm) -> Self {
+        self.battery.soft = build::fraction(soft, self.battery.capacity).0;
+        self
+    }
+
+    /// The same with a minimum at handover of so many millionths.
+    pub(crate) fn with_handover(mut self, handover: Ppm) -> Self {
+        self.battery.handover = build::fraction(handover, self.battery.capacity).0;
+        self
     }
 
     /// The next manual block that begins at `at` or later.

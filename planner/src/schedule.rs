@@ -9,7 +9,7 @@ mod answer;
 mod begin;
 mod expand;
 mod improve;
-mod place;
+pub(crate) mod place;
 mod worth;
 
 pub use improve::{Budget, Improved, improve};
@@ -65,7 +65,7 @@ pub(crate) struct Pass<'a> {
     pub(crate) world: World,
     pub(crate) timelines: Timelines,
     /// One for each activity, of the length that it has, or is placed with.
-    claims: Vec<Claim>,
+    pub(crate) claims: Vec<Claim>,
     /// When each activity runs: those that run already included.
     pub(crate) slots: Vec<Option<Slot>>,
     reasons: Vec<Option<Reason>>,
@@ -74,7 +74,7 @@ pub(crate) struct Pass<'a> {
     /// What is not to be moved.
     committed: Vec<bool>,
     /// When a candidate can start that does not clean up.
-    from: i64,
+    pub(crate) from: i64,
     excess: Vec<Excess>,
     unavoidable: Vec<Excess>,
     /// Counts placements, and what it was when a candidate failed last: nothing

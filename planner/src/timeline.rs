@@ -25,6 +25,7 @@ use std::collections::BTreeMap;
 use crate::parameters::Parameters;
 use crate::plan::Plan;
 use crate::state::State;
+use crate::timed::Limit;
 use crate::units::Time;
 
 pub use claim::{Claim, UnknownTimeline};
@@ -205,6 +206,18 @@ impl Timelines {
     pub fn volumes(&self, from: Time) -> impl Iterator<Item = (Time, i64)> + '_ {
         let pieces = self.data.line.pieces(from.get(), i64::MAX, |_, _| true);
         pieces.map(|piece| (Time::new(piece.from), narrow(piece.value)))
+    }
+
+    /// The same with a higher limit of data, peak power or engines.
+    pub(crate) fn raised(mut self, limit: &Limit, by: i64) -> Self {
+        let raised = match limit {
+            Limit::Data => &mut self.data,
+            Limit::Peak => &mut self.peak,
+            Limit::Engines => &mut self.engines,
+            _ => return self,
+        };
+        raised.max += i128::from(by);
+        self
     }
 
     /// The same from nothing: everything that is inserted, once more. What

@@ -77,7 +77,8 @@ impl Placed {
         placed
     }
 
-    /// The same, and these.
+    /// The same, and these: from nothing.
+    #[cfg(test)]
     pub(crate) fn full(problem: &Problem, slots: &[Placement]) -> Self {
         let mut placed = Self::first(problem);
         for &slot in slots {

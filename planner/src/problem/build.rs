@@ -69,7 +69,7 @@ fn charge(charge: Microjoules) -> i64 {
 
 /// A fraction of the capacity: the smallest charge that is not below it, and
 /// the largest that is not above.
-fn fraction(part: Ppm, capacity: i64) -> (i64, i64) {
+pub(crate) fn fraction(part: Ppm, capacity: i64) -> (i64, i64) {
     let exact = i128::from(part.get()) * i128::from(capacity);
     let floor = exact.div_euclid(1_000_000);
     let ceiling = floor + i128::from(exact.rem_euclid(1_000_000) != 0);

@@ -1,14 +1,24 @@
 //! One candidate's turn.
 
 use crate::derive::Placement;
-use crate::judge::{Broken, Kind};
+use crate::judge::{Broken, Kind, Rest};
 use crate::plan::{ActivityId, Dependency, Outcome};
-use crate::problem::{Known, Range};
+use crate::problem::{Known, Problem, Range};
+use crate::search::Effort;
 use crate::timed::{Excess, Limit, Reason, Slot};
-use crate::timeline::Intervals;
+use crate::timeline::{Claim, Intervals, Timelines};
 use crate::units::Time;
 
 use super::Pass;
+
+/// What a candidate is tried against.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Trial<'a> {
+    pub(crate) item: usize,
+    pub(crate) problem: &'a Problem,
+    pub(crate) timelines: &'a Timelines,
+    pub(crate) claim: &'a Claim,
+}
 
 impl Pass<'_> {
     /// Places it, or notes why not, as found the first time.
@@ -62,7 +72,7 @@ impl Pass<'_> {
     }
 
     /// When it can start first.
-    fn find(&mut self, item: usize) -> Result<Slot, Reason> {
+    pub(crate) fn find(&mut self, item: usize) -> Result<Slot, Reason> {
         let earliest = self.after(item)?;
         self.group(item)?;
         let left = self.left(item, earliest);
@@ -70,16 +80,33 @@ impl Pass<'_> {
             let later = self.ranges(item, earliest.max(self.problem.now));
             return Err(if later.is_empty() { Reason::NoRangeLeft } else { Reason::Committed });
         }
-        let fit = left.iter().map(|within| self.timelines.valid_starts(&self.claims[item], within));
-        let fit = fit.fold(Intervals::none(), |all, some| all.union(&some));
-        let optional = !self.problem.items[item].mandatory;
         let mut effort = self.effort;
-        let start = self.rest().earliest(item, &fit, optional, &mut effort);
+        let start = self.first_fit(&self.trial(item), &left, &mut effort);
         self.effort = effort;
         match start {
             Some(start) => Ok(self.slot(item, start)),
             None => Err(self.in_the_way(item, left.first().map_or(earliest, Time::get))),
         }
+    }
+
+    /// As it is tried in its turn.
+    pub(crate) fn trial(&self, item: usize) -> Trial<'_> {
+        let (problem, timelines) = (self.problem, &self.timelines);
+        Trial { item, problem, timelines, claim: &self.claims[item] }
+    }
+
+    /// The first of these starts that fits.
+    pub(crate) fn first_fit(
+        &self,
+        trial: &Trial<'_>,
+        starts: &Intervals,
+        effort: &mut Effort,
+    ) -> Option<i64> {
+        let fit = starts.iter().map(|within| trial.timelines.valid_starts(trial.claim, within));
+        let fit = fit.fold(Intervals::none(), |all, some| all.union(&some));
+        let rest = Rest { problem: trial.problem, placed: &self.placed, world: &self.world };
+        let optional = !self.problem.items[trial.item].mandatory;
+        rest.earliest(trial.item, &fit, optional, effort)
     }
 
     /// The first range that admits it.
@@ -91,7 +118,7 @@ impl Pass<'_> {
     }
 
     /// From when on its dependencies are satisfied.
-    fn after(&self, item: usize) -> Result<i64, Reason> {
+    pub(crate) fn after(&self, item: usize) -> Result<i64, Reason> {
         let after = || self.problem.items[item].after.iter();
         for (prior, on) in after() {
             if let Known::Ended { outcome, .. } = self.problem.items[*prior].fate
@@ -114,7 +141,7 @@ impl Pass<'_> {
         Ok(planned().map(|(slot, _)| slot.end.get()).max().unwrap_or(i64::MIN))
     }
 
-    fn group(&self, item: usize) -> Result<(), Reason> {
+    pub(crate) fn group(&self, item: usize) -> Result<(), Reason> {
         let group = self.problem.items[item].group;
         match group.and_then(|group| self.groups[group]) {
             Some(taken) => Err(Reason::GroupTaken(self.id(taken))),
@@ -122,12 +149,12 @@ impl Pass<'_> {
         }
     }
 
-    pub(super) fn id(&self, item: usize) -> ActivityId {
+    pub(crate) fn id(&self, item: usize) -> ActivityId {
         self.problem.plan.activities[item].id
     }
 
     /// Starts that its ranges, what it depends on and the commit window leave.
-    fn left(&self, item: usize, earliest: i64) -> Intervals {
+    pub(crate) fn left(&self, item: usize, earliest: i64) -> Intervals {
         let is_cleanup = self.problem.items[item].cleanup;
         let from = if is_cleanup { self.problem.now } else { self.from };
         self.ranges(item, earliest.max(from))
@@ -139,7 +166,7 @@ impl Pass<'_> {
     }
 
     /// The first limit that blocks a start.
-    fn in_the_way(&self, item: usize, start: i64) -> Reason {
+    pub(crate) fn in_the_way(&self, item: usize, start: i64) -> Reason {
         let it = &self.problem.items[item];
         let slot = Placement { item, start, end: start + it.shortest };
         let mut all: Vec<Reason> =
