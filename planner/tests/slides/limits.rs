@@ -1,0 +1,85 @@
+//! "Constraining Parallelism", "Peak Power Check", "Limiting Data Storage
+//! Usage", "Activity Time Ranges".
+
+use faregate_agents::Categories;
+use faregate_planner::plan::{Activity, StartRange};
+use faregate_planner::state::Running;
+use faregate_planner::timed::{Limit, Reason};
+use faregate_planner::units::Bytes;
+
+use crate::rover::*;
+
+#[test]
+fn activities_with_a_common_resource_bit_are_not_in_parallel() {
+    let with = |number, mask| Activity {
+        resources: Categories::from_mask(mask),
+        ..activity(number, 30, 60, 200)
+    };
+    let timed = rover(vec![with(1, 0b011), with(2, 0b110), with(3, 0b1000)]).timed();
+    assert_eq!(slot(&timed, 1), Some((60, 90)));
+    assert_eq!(slot(&timed, 2), Some((90, 120)));
+    assert_eq!(slot(&timed, 3), Some((60, 90)));
+}
+
+#[test]
+fn a_bit_that_is_held_from_now_to_the_end_is_held() {
+    let bit = Categories::from_mask(1);
+    let mut rover = rover(vec![
+        Activity { resources: bit, ..activity(1, 1_500, 0, 0) },
+        Activity { resources: bit, ..activity(2, 10, 0, 600) },
+    ]);
+    let (started, ends) = (min(0), min(1_500));
+    let running =
+        Running { id: id(1), started, ends, cutoff: ends, paused: None, data: Bytes::ZERO };
+    rover.state.running = vec![running];
+    rover.state.mode = faregate_planner::state::Mode::Awake;
+    assert_eq!(limit(&rover.timed(), 2), Limit::Resources(1));
+}
+
+#[test]
+fn the_sum_of_peaks_stays_below_the_threshold() {
+    // With the computer's 70 W: 2 x 120 W are too much, 120 W and 110 W are not.
+    let of = |watts| {
+        let two =
+            vec![drawing(120, activity(1, 30, 60, 200)), drawing(watts, activity(2, 30, 60, 200))];
+        slot(&rover(two).timed(), 2)
+    };
+    assert_eq!(of(110), Some((60, 90)));
+    assert_eq!(of(111), Some((90, 120)));
+}
+
+#[test]
+fn no_more_sequence_engines_than_there_are() {
+    let with = |number| Activity { engines: 1, ..activity(number, 30, 60, 200) };
+    let timed = rover(vec![with(1), with(2), with(3)]).timed();
+    assert_eq!(slot(&timed, 2), Some((60, 90)));
+    assert_eq!(slot(&timed, 3), Some((90, 120)));
+}
+
+#[test]
+fn optional_activities_keep_the_data_volume_and_mandatory_ones_need_not() {
+    let with = |number, data, priority| Activity {
+        data: Bytes::new(data),
+        priority,
+        ..activity(number, 30, 60, 200)
+    };
+    let must = rover(vec![with(1, 900, 10), with(2, 200, MANDATORY)]).timed();
+    assert_eq!(limit(&must, 1), Limit::Data);
+    let both = rover(vec![with(1, 900, MANDATORY), with(2, 200, MANDATORY)]).timed();
+    assert_eq!((slot(&both, 2), both.excess[0].amount), (Some((60, 90)), 100));
+    let optional = rover(vec![with(1, 900, 10), with(2, 101, 10), with(3, 100, 10)]).timed();
+    assert_eq!(limit(&optional, 2), Limit::Data);
+    assert_eq!(slot(&optional, 3), Some((60, 90)));
+}
+
+#[test]
+fn an_activity_has_several_start_ranges_each_with_its_cutoff() {
+    let range = |from, to, cutoff| StartRange { from: min(from), to: min(to), cutoff: min(cutoff) };
+    let mut it = activity(1, 30, 0, 0);
+    it.starts = vec![range(60, 90, 85), range(100, 110, 140)];
+    let timed = rover(vec![it.clone()]).timed();
+    assert_eq!(slot(&timed, 1), Some((100, 130)), "it would not be over by the first cutoff");
+    assert_eq!(timed.slot(id(1)).unwrap().range, 1);
+    it.starts.pop();
+    assert_eq!(reason(&rover(vec![it]).timed(), 1), Reason::NoRangeLeft);
+}

@@ -1,0 +1,7 @@
+//! What the slides say of scheduling, rule by rule, in one small rover.
+
+mod activities;
+mod energy;
+mod limits;
+mod rover;
+mod wake_sleep;
