@@ -35,7 +35,7 @@ has() {
         grep -q "\"kind\":\[\"$1\"\],\"crate_types\":\[\"bin\"\],\"name\":\"$2\""
 }
 
-for bench in invoke curves emergency schedule journal; do
+for bench in invoke curves emergency schedule journal planner; do
     if ! has bench "$bench"; then
         echo "== bench $bench: skipped, there is none"
         continue

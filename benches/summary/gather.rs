@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use crate::support::{Curve, Failure, Figure, Fragment, Peer};
 
 /// Who measures which rows of the targets. Row 12 is the audit's.
-const SOURCES: [(&str, &[u8]); 7] = [
+const SOURCES: [(&str, &[u8]); 8] = [
     ("invoke", &[1, 2, 3, 4, 5, 6]),
     ("curves", &[7, 8]),
     ("latency", &[9]),
@@ -16,6 +16,7 @@ const SOURCES: [(&str, &[u8]); 7] = [
     ("soak", &[11]),
     ("schedule", &[13, 14, 15, 16]),
     ("journal", &[17]),
+    ("planner", &[18, 19, 21]),
 ];
 
 /// What all benches found together.

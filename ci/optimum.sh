@@ -1,0 +1,61 @@
+#!/usr/bin/env bash
+# Has an exact solver (CP-SAT, from PyPI) find the best that can be made of the
+# small worlds that benches/planner compares with. Takes up to half an hour.
+# Usage: ci/optimum.sh [--write] [--seconds LIMIT]
+#   --write    puts the optima into planner/tools/optima.csv; else they are printed
+#   --seconds  so long for each world at most (120); what is not proven then
+#              stands with its bound
+# Skipped, with a message, where there is no Python or no PyPI. With CI=true that
+# is a failure.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+write=0 seconds=120
+while (($#)); do
+    case "$1" in
+        --write) write=1 ;;
+        --seconds)
+            seconds="${2:?--seconds takes a number}"
+            shift
+            ;;
+        -h | --help)
+            sed -n '2,/^set/{/^set/d;s/^# \{0,1\}//p}' "$0"
+            exit 0
+            ;;
+        *)
+            echo "unknown argument $1; see --help" >&2
+            exit 2
+            ;;
+    esac
+    shift
+done
+
+skip() {
+    echo "optimum: skipped, $1" >&2
+    [[ "${CI:-}" == true ]] && exit 1
+    exit 0
+}
+
+command -v python3 >/dev/null || skip "there is no python3"
+venv="${CARGO_TARGET_DIR:-target}/optimum"
+python3 -m venv "$venv" || skip "python3 cannot make a virtual environment"
+"$venv/bin/pip" install --quiet --requirement planner/tools/requirements.txt ||
+    skip "the solver cannot be installed"
+
+# Twenty activities hardly crowd half a sol: the more, the more is left out.
+worlds() {
+    local run=(cargo run --locked --quiet --package faregate-planner --example small_worlds --)
+    "${run[@]}" 0 4 40
+    "${run[@]}" 0 4 30
+    "${run[@]}" 0 2 60
+}
+
+found="$(mktemp)"
+trap 'rm -f "$found"' EXIT
+worlds | "$venv/bin/python" planner/tools/optimum.py --seconds "$seconds" >"$found"
+if ((write)); then
+    cp "$found" planner/tools/optima.csv
+    echo "planner/tools/optima.csv: $(($(wc -l <"$found") - 1)) worlds"
+else
+    cat "$found"
+fi
