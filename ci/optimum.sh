@@ -42,12 +42,12 @@ python3 -m venv "$venv" || skip "python3 cannot make a virtual environment"
 "$venv/bin/pip" install --quiet --requirement planner/tools/requirements.txt ||
     skip "the solver cannot be installed"
 
-# Twenty activities hardly crowd half a sol: the more, the more is left out.
+# All crowd eight hours, the last more than the first.
 worlds() {
     local run=(cargo run --locked --quiet --package faregate-planner --example small_worlds --)
-    "${run[@]}" 0 4 40
-    "${run[@]}" 0 4 30
-    "${run[@]}" 0 2 60
+    "${run[@]}" 0 5 20
+    "${run[@]}" 0 5 30
+    "${run[@]}" 0 3 40
 }
 
 found="$(mktemp)"

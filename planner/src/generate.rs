@@ -2,7 +2,7 @@
 //!
 //! Two worlds. [`Shape::sols`] is a rover over as many sols as its activities
 //! need, each as crowded as the others, so that costs can be compared over
-//! sizes. [`Shape::small`] is half a sol in steps of five minutes without
+//! sizes. [`Shape::small`] is eight hours in steps of five minutes without
 //! heating, which an exact solver can model, too.
 
 mod activities;
@@ -45,7 +45,7 @@ impl Shape {
         Self { activities, per_sol: Some(100), draw: 100, seed }
     }
 
-    /// Half a sol of optional activities on a grid of five minutes, more than
+    /// Eight hours of optional activities on a grid of five minutes, more than
     /// fit, without heating.
     #[must_use]
     pub const fn small(activities: usize, seed: u64) -> Self {

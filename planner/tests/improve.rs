@@ -19,24 +19,24 @@ fn improved(problem: &Problem, incumbent: Option<&TimedPlan>, evaluations: u64) 
 #[test]
 fn it_is_never_worse_than_the_one_pass_and_often_better() {
     let mut better = 0;
-    for seed in 0..12 {
+    for seed in 0..8 {
         let problem = problem(&Shape::small(20, seed).draw());
         let once = Worth::of(&problem, &schedule(&problem, None));
-        let improved = improved(&problem, None, 2_000);
+        let improved = improved(&problem, None, 1_200);
         assert!(improved.worth >= once, "seed {seed}");
         assert_eq!(improved.worth, Worth::of(&problem, &improved.timed));
-        assert!(improved.evaluations <= 2_000 + 3 * 20, "{}", improved.evaluations);
+        assert!(improved.evaluations <= 1_200 + 3 * 20, "{}", improved.evaluations);
         better += u32::from(improved.worth.optional() > once.optional());
     }
-    assert!(better >= 4, "better in {better} of 12");
+    assert!(better >= 3, "better in {better} of 8");
 }
 
 #[test]
 fn an_incumbent_that_still_fits_is_not_lost() {
     let mut kept = 0;
-    for seed in 0..12 {
-        let problem = problem(&Shape::small(24, seed).draw());
-        let long = improved(&problem, None, 4_000);
+    for seed in 0..5 {
+        let problem = problem(&Shape::small(20, seed).draw());
+        let long = improved(&problem, None, 1_200);
         let once = Worth::of(&problem, &schedule(&problem, None));
         // No budget for a single round: what is better can only be kept.
         let again = improved(&problem, Some(&long.timed), 0);
@@ -44,7 +44,7 @@ fn an_incumbent_that_still_fits_is_not_lost() {
         assert!(again.worth >= long.worth, "seed {seed}");
         kept += u32::from(long.worth > once && again.worth > committed);
     }
-    assert!(kept >= 3, "kept {kept} of 12");
+    assert!(kept >= 2, "kept {kept} of 5");
 }
 
 #[test]
@@ -60,7 +60,7 @@ fn stopped_at_any_moment_it_answers_the_best_so_far() {
     let problem = problem(&Shape::small(20, 3).draw());
     let once = Worth::of(&problem, &schedule(&problem, None));
     let mut last = once.clone();
-    for moment in [0, 1, 5, 19, 20, 21, 100, 333, 1_000] {
+    for moment in [0, 1, 19, 20, 21, 100, 700] {
         let mut asked = 0;
         let mut stop = || {
             asked += 1;

@@ -141,7 +141,7 @@ pub(super) fn grid(count: usize, draw: u64, draws: &mut Draws) -> Vec<Activity> 
         one.resources = Categories::from_mask(1 << draws.below(4));
         let ranges = 1 + draws.below(2);
         let range = |_| {
-            let from = steps(1, 120, draws);
+            let from = steps(1, 80, draws);
             let to = from + steps(0, 24, draws);
             let cutoff = Time::new(to + one.duration.get());
             StartRange { from: Time::new(from), to: Time::new(to), cutoff }

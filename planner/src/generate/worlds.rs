@@ -131,11 +131,11 @@ fn computer() -> Parameters {
     }
 }
 
-/// Half a sol on a grid of five minutes, without heating, and without a largest
+/// Eight hours on a grid of five minutes, without heating, and without a largest
 /// charge that would end a sleep: what is over is lost.
 pub(super) fn small(shape: Shape) -> World {
     let mut draws = Draws::new(shape.seed);
-    let end = Time::new(12 * HOUR);
+    let end = Time::new(8 * HOUR);
     let plan = Plan {
         name: format!("{} activities on a grid, seed {}", shape.activities, shape.seed),
         handover: end,
