@@ -9,7 +9,7 @@ use faregate_planner::state::{Mode, Window};
 use faregate_planner::timed::{
     AwakePhase, Fate, Limit, Line, Preheat, Projection, Reason, Row, Slot,
 };
-use faregate_planner::trace::{Cause, Dispatch, Entry, Happened, Trace, Truth};
+use faregate_planner::trace::{Cause, Dispatch, Entry, Happened, Trace, Truth, Unstarted};
 use faregate_planner::units::{Bytes, Ppm, Span, Time};
 use faregate_planner::{Activity, ActivityId, Parameters, Plan, State, TimedPlan};
 use faregate_tickets::amount::{Microjoules, Milliwatts};
@@ -219,6 +219,7 @@ fn trace() -> Trace {
             entry(640, Happened::Aborted { id: id(1), cause: Cause::HardLimit, data: Bytes::ZERO }),
             entry(640, Happened::Mode(Mode::ShuttingDown)),
             entry(645, Happened::Mode(Mode::Asleep)),
+            entry(700, Happened::NotStarted { id: id(2), why: Unstarted::NotPlanned }),
         ],
         ..Trace::default()
     }
@@ -231,6 +232,7 @@ fn an_execution_is_drawn_over_its_plan() {
     for words in signs.into_iter().chain(["aborted: hard limit of charge"]) {
         assert!(all.contains_key(words), "{words}: {all:#?}");
     }
+    assert!(all.contains_key("10 Wh below the soft minimum of charge at 10:10"), "{all:#?}");
     for piece in ["09:50 to 10:00", "10:10 to 10:40"] {
         assert!(all.contains_key(&format!("1  drive &lt;north&gt;: {piece}")), "{piece}: {all:#?}");
     }

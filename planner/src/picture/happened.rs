@@ -3,7 +3,7 @@
 use crate::picture::lane::{Bar, Ending, Lane, Stretch};
 use crate::plan::{ActivityId, Outcome};
 use crate::state::Mode;
-use crate::timed::AwakePhase;
+use crate::timed::{AwakePhase, Fate, Reason, TimedPlan};
 use crate::trace::{Cause, Entry, Happened, Trace, Unstarted};
 use crate::units::Time;
 use crate::words::Words;
@@ -55,8 +55,15 @@ pub(super) fn put(trace: &Trace, id: ActivityId, words: &Words<'_>, lane: &mut L
             Happened::Aborted { id: other, cause, .. } if *other == id => {
                 run.end(*at, lane.mandatory, Ending::Aborted, because(*cause));
             }
+            Happened::Planned { timed, .. } => {
+                // The last plan knows best why it could not be.
+                left_out(timed, id, words).into_iter().for_each(|why| lane.out = Some(why));
+            }
             Happened::NotStarted { id: other, why } if *other == id => {
-                lane.out = Some((unstarted(*why).into(), Some(*at)));
+                let known = lane.out.is_some() && *why == Unstarted::NotPlanned;
+                if !known {
+                    lane.out = Some((unstarted(*why).into(), Some(*at)));
+                }
             }
             _ => {}
         }
@@ -71,6 +78,21 @@ pub(super) fn put(trace: &Trace, id: ActivityId, words: &Words<'_>, lane: &mut L
     }
     lane.bars = run.bars;
     lane.pauses = run.pauses;
+}
+
+/// Why a timed plan leaves it out, if it does.
+pub(super) fn left_out(
+    timed: &TimedPlan,
+    id: ActivityId,
+    words: &Words<'_>,
+) -> Option<(String, Option<Time>)> {
+    let row = timed.rows.iter().find(|row| row.id == id)?;
+    let Fate::Out(reason) = &row.fate else { return None };
+    let at = match reason {
+        Reason::Limit { at, .. } => Some(*at),
+        _ => None,
+    };
+    Some((words.reason(reason), at))
 }
 
 impl Run {

@@ -2,10 +2,10 @@
 
 use crate::parameters::Parameters;
 use crate::picture::Scene;
-use crate::picture::happened::{self, heated_for};
+use crate::picture::happened::{self, heated_for, left_out};
 use crate::picture::lane::{Bar, Ending, Lane, Stretch};
 use crate::plan::{Activity, ActivityId};
-use crate::timed::{Fate, Reason, Row as Line, Slot};
+use crate::timed::{Fate, Row as Line, Slot};
 use crate::units::Time;
 use crate::words::{Words, span};
 
@@ -83,9 +83,6 @@ fn lane(scene: &Scene<'_>, activity: &Activity, row: &Line) -> Lane {
     };
     if let Some(trace) = scene.trace {
         lane.planned = scene.timed.slot(activity.id).map(ends).into_iter().collect();
-        if let Fate::Out(reason) = &row.fate {
-            lane.out = Some((words.reason(reason), when(reason)));
-        }
         happened::put(trace, activity.id, &words, &mut lane);
         let start = lane.bars.first().map(|bar| bar.span.0);
         lane.preheats =
@@ -98,7 +95,7 @@ fn lane(scene: &Scene<'_>, activity: &Activity, row: &Line) -> Lane {
             lane.bars.push(planned(activity, *slot, mandatory, &words));
         }
         Fate::Ended(_) => lane.bars.extend(past(scene, activity.id, mandatory, &words)),
-        Fate::Out(reason) => lane.out = Some((words.reason(reason), when(reason))),
+        Fate::Out(_) => lane.out = left_out(scene.timed, activity.id, &words),
     }
     lane
 }
@@ -161,11 +158,4 @@ fn preheats(scene: &Scene<'_>, activity: &Activity, slot: Slot) -> Vec<Stretch> 
         .iter()
         .filter(|preheat| preheat.end == slot.start && activity.zones.contains(&preheat.zone));
     mine.map(|preheat| (preheat.start, preheat.end)).collect()
-}
-
-const fn when(reason: &Reason) -> Option<Time> {
-    match reason {
-        Reason::Limit { at, .. } => Some(*at),
-        _ => None,
-    }
 }
