@@ -204,6 +204,13 @@ fn trace() -> Trace {
         state: Box::new(State { mode: Mode::Asleep, ..state() }),
         timed: Box::new(timed()),
     };
+    let mut last = timed();
+    last.rows[1].fate = Fate::Out(Reason::NoRangeLeft);
+    let planned_again = Happened::Planned {
+        why: Vec::new(),
+        state: Box::new(State { mode: Mode::Asleep, ..state() }),
+        timed: Box::new(last),
+    };
     Trace {
         begin: at(480),
         end: at(1_440),
@@ -219,6 +226,7 @@ fn trace() -> Trace {
             entry(640, Happened::Aborted { id: id(1), cause: Cause::HardLimit, data: Bytes::ZERO }),
             entry(640, Happened::Mode(Mode::ShuttingDown)),
             entry(645, Happened::Mode(Mode::Asleep)),
+            entry(690, planned_again),
             entry(700, Happened::NotStarted { id: id(2), why: Unstarted::NotPlanned }),
         ],
         ..Trace::default()

@@ -56,8 +56,11 @@ pub(super) fn put(trace: &Trace, id: ActivityId, words: &Words<'_>, lane: &mut L
                 run.end(*at, lane.mandatory, Ending::Aborted, because(*cause));
             }
             Happened::Planned { timed, .. } => {
-                // The last plan knows best why it could not be.
-                left_out(timed, id, words).into_iter().for_each(|why| lane.out = Some(why));
+                // The last plan knows best why it could not be, unless its time
+                // was over by then.
+                let late = lane.out.is_some() && is_late(timed, id);
+                let why = left_out(timed, id, words).filter(|_| !late);
+                lane.out = why.or_else(|| lane.out.take());
             }
             Happened::NotStarted { id: other, why } if *other == id => {
                 let known = lane.out.is_some() && *why == Unstarted::NotPlanned;
@@ -93,6 +96,12 @@ pub(super) fn left_out(
         _ => None,
     };
     Some((words.reason(reason), at))
+}
+
+fn is_late(timed: &TimedPlan, id: ActivityId) -> bool {
+    let row = timed.rows.iter().find(|row| row.id == id);
+    let late = |fate: &Fate| matches!(fate, Fate::Out(Reason::Committed | Reason::NoRangeLeft));
+    row.is_some_and(|row| late(&row.fate))
 }
 
 impl Run {
