@@ -92,22 +92,22 @@ pub(super) fn windows<'a>(scene: &Scene<'a>) -> &'a [Window] {
 /// The row of the radio.
 pub(super) fn radio(scene: &Scene<'_>, place: Place, scale: &Scale) -> Group {
     let words = Words::new(scene.plan, scene.parameters);
-    let mut free = scale.left;
     if windows(scene).is_empty() {
         let none = text(scale.left + 6.0, place.middle() + 3.7, "none").set("font-size", SMALL);
         return Group::new().add(none.set("fill", GREY));
     }
+    let starts: Vec<f64> = windows(scene).iter().map(|window| scale.place(window.start)).collect();
     windows(scene).iter().fold(Group::new(), |group, window| {
         let Some((from, until)) = scale.seen(window.start, window.end) else { return group };
         let block = bar((from, until), place.top + 4.0, place.height - 8.0, RADIO);
-        let said =
-            format!("{}: {} to {}", window.name, words.time(window.start), words.time(window.end));
+        let (start, end) = (words.time(window.start), words.time(window.end));
+        let said = format!("{}: {start} to {end}", window.name);
         let group = group.add(Group::new().add(tip(&said)).add(block.set("rx", 1)));
-        let wide = length(&window.name) * 0.95;
-        if from < free || until + 5.0 + wide > scale.right {
+        // A name that would lie on the next window is in the tip alone.
+        let wide = until + 8.0 + length(&window.name) * 0.95;
+        if wide > scale.right || starts.iter().any(|next| *next > from && *next < wide) {
             return group;
         }
-        free = until + 8.0 + wide;
         let name = text(until + 5.0, place.middle() + 3.7, &window.name);
         group.add(name.set("font-size", SMALL).set("fill", GREY))
     })
