@@ -54,7 +54,12 @@ pub struct Director {
     /// Tasks that wait for a condition.
     held: BTreeSet<TaskId>,
     wishes: BTreeSet<Why>,
+    begin: Time,
+    /// What windows that are over have brought, or sent.
+    exchanged: BTreeMap<(Time, String), Bytes>,
     planned_at: Time,
+    /// When something is tried again that did not get what it needs.
+    again_at: Option<Time>,
     period: Span,
     orders: Vec<Telecommand>,
 }
@@ -63,8 +68,8 @@ pub struct Director {
 #[derive(Clone, Debug)]
 struct Live {
     task: Task,
-    /// When it is planned to start.
-    start: Time,
+    /// When it can start at the latest.
+    closes: Time,
     /// Whether an attempt has started.
     started: bool,
 }
@@ -85,6 +90,8 @@ impl Director {
     pub fn new(setting: Setting, state: State) -> Self {
         Self {
             numbers: Numbers::above(&setting.plan),
+            begin: state.now,
+            exchanged: BTreeMap::new(),
             planned_at: state.now,
             setting,
             state,
@@ -92,6 +99,7 @@ impl Director {
             live: BTreeMap::new(),
             held: BTreeSet::new(),
             wishes: BTreeSet::from([Why::First]),
+            again_at: None,
             period: Span::from_mins(30),
             orders: Vec::new(),
         }
@@ -155,6 +163,7 @@ impl Director {
     pub fn turn(&mut self, now: Time) -> Result<Vec<Telecommand>, NotPlanned> {
         self.state.now = now;
         self.look_at_the_time();
+        self.look_at_windows();
         let made = if self.is_planning_time() { self.plan_anew() } else { Ok(()) };
         made.map(|()| std::mem::take(&mut self.orders))
     }
@@ -165,7 +174,7 @@ impl Director {
         let periodic = self.planned_at.after(self.period);
         let late = self.state.running.iter().filter(|one| one.paused.is_none());
         let late = late.map(|one| one.ends.max(self.looked_at_again()));
-        late.chain([periodic]).min().unwrap_or(periodic)
+        late.chain([periodic]).chain(self.again_at).min().unwrap_or(periodic)
     }
 
     /// What is so now, as far as is known: what a plan is made from.
@@ -197,7 +206,7 @@ impl Director {
 
     fn look_at_the_time(&mut self) {
         let now = self.state.now;
-        if now >= self.planned_at.after(self.period) {
+        if now >= self.planned_at.after(self.period) || self.again_at.is_some_and(|at| at <= now) {
             self.wish(Why::Periodic);
         }
         if now < self.looked_at_again() {
@@ -216,11 +225,31 @@ impl Director {
 
     fn plan_anew(&mut self) -> Result<(), NotPlanned> {
         let Setting { plan, parameters, .. } = &self.setting;
-        let problem = Problem::new(plan, parameters, &self.state).map_err(NotPlanned::Unfit)?;
+        let problem = Problem::new(plan, parameters, &self.known()).map_err(NotPlanned::Unfit)?;
         let is_first = self.wishes.contains(&Why::First);
         let incumbent = (!is_first).then(|| self.incumbent());
         let timed = schedule(&problem, incumbent.as_ref());
         self.adopt(timed).map_err(NotPlanned::Misfit)
+    }
+
+    fn look_at_windows(&mut self) {
+        let (begin, now) = (self.begin, self.state.now);
+        let over = self.state.windows.iter().filter(|one| begin < one.end && one.end <= now);
+        for window in over {
+            self.exchanged.insert((window.end, window.name.clone()), window.data);
+        }
+    }
+
+    /// The state as the planner counts data: what was sent is on board no more.
+    /// A window that is over counts nothing there, and only the sum of what has
+    /// ended does.
+    fn known(&self) -> State {
+        let mut state = self.state.clone();
+        if let Some(ended) = state.ended.first_mut() {
+            let all = self.exchanged.values().map(|data| data.get());
+            ended.data = Bytes::new(all.fold(ended.data.get(), i64::saturating_add));
+        }
+        state
     }
 
     fn activity(&self, id: TaskId) -> Option<&Activity> {

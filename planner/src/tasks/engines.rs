@@ -66,19 +66,24 @@ impl<'a> Engines<'a> {
     ) -> Self {
         let mut wishes: Vec<_> = wishes.iter().filter(|wish| wish.count > 0).copied().collect();
         wishes.sort_by_key(|wish| (wish.slot.start, wish.id));
-        let both: BTreeMap<_, _> = given.iter().chain(runs).map(|(id, has)| (*id, *has)).collect();
-        Self::with(all, &wishes, &both)
-            .or_else(|| Self::with(all, &wishes, runs))
+        Self::with(all, &wishes, runs, given)
+            .or_else(|| Self::with(all, &wishes, runs, &BTreeMap::new()))
             .unwrap_or_else(|| Self::crowded(all, &wishes, runs))
     }
 
     fn with(
         all: &'a [Categories],
         wishes: &[Wish],
-        kept: &BTreeMap<TaskId, Categories>,
+        runs: &BTreeMap<TaskId, Categories>,
+        given: &BTreeMap<TaskId, Categories>,
     ) -> Option<Self> {
-        let mut engines = Self::keeping(all, wishes, kept);
-        for wish in wishes.iter().filter(|wish| !kept.contains_key(&wish.id)) {
+        let mut engines = Self { all, had: Vec::new(), of: BTreeMap::new() };
+        engines.keep(wishes, runs, false);
+        engines.keep(wishes, given, true);
+        for wish in wishes {
+            if engines.of.contains_key(&wish.id) {
+                continue;
+            }
             let free = engines.free(wish.slot);
             if free.len() < wish.count {
                 return None;
@@ -94,7 +99,8 @@ impl<'a> Engines<'a> {
         wishes: &[Wish],
         runs: &BTreeMap<TaskId, Categories>,
     ) -> Self {
-        let mut engines = Self::keeping(all, wishes, runs);
+        let mut engines = Self { all, had: Vec::new(), of: BTreeMap::new() };
+        engines.keep(wishes, runs, false);
         for wish in wishes.iter().filter(|wish| !runs.contains_key(&wish.id)) {
             let mut free = engines.free(wish.slot);
             let others = all.iter().filter(|one| !free.contains(one)).copied().collect::<Vec<_>>();
@@ -104,19 +110,19 @@ impl<'a> Engines<'a> {
         engines
     }
 
-    fn keeping(
-        all: &'a [Categories],
-        wishes: &[Wish],
-        kept: &BTreeMap<TaskId, Categories>,
-    ) -> Self {
-        let mut engines = Self { all, had: Vec::new(), of: BTreeMap::new() };
+    /// Those that have engines keep them; what was only given is not kept where
+    /// two have moved together since.
+    fn keep(&mut self, wishes: &[Wish], has: &BTreeMap<TaskId, Categories>, only_free: bool) {
         for wish in wishes {
-            if let Some(has) = kept.get(&wish.id) {
-                engines.had.push((wish.slot, *has));
-                engines.of.insert(wish.id, *has);
+            let Some(has) = has.get(&wish.id).filter(|_| !self.of.contains_key(&wish.id)) else {
+                continue;
+            };
+            let free = self.free(wish.slot).into_iter().fold(Categories::NONE, Categories::union);
+            if !only_free || has.shared(free) == *has {
+                self.had.push((wish.slot, *has));
+                self.of.insert(wish.id, *has);
             }
         }
-        engines
     }
 
     fn free(&self, slot: Slot) -> Vec<Categories> {
@@ -180,6 +186,10 @@ mod tests {
         let none = BTreeMap::new();
         // Each engine has been given to somebody in the time of the first.
         let given = wishes[1..].iter().map(|wish| wish.id).zip(all).collect();
+        let engines = Engines::assign(&all, &wishes, &none, &given);
+        assert!(nobody_shares(&wishes, &engines));
+        // Two that were apart before cannot keep the same engine.
+        let given = wishes[..2].iter().map(|wish| (wish.id, engine(1))).collect();
         let engines = Engines::assign(&all, &wishes, &none, &given);
         assert!(nobody_shares(&wishes, &engines));
         // And what runs stays, even then.

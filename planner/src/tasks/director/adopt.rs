@@ -8,10 +8,10 @@ use faregate_scheduler::task::{Task, TaskId, When};
 
 use super::{Director, Live};
 use crate::plan::Condition;
-use crate::tasks::Misfit;
 use crate::tasks::engines;
 use crate::tasks::generated::Generated;
 use crate::tasks::translate::Given;
+use crate::tasks::{Epoch, Misfit};
 use crate::timed::{Fate, TimedPlan};
 use crate::units::Time;
 
@@ -37,6 +37,7 @@ impl Director {
         self.timed = timed;
         self.planned_at = self.state.now;
         self.wishes.clear();
+        self.again_at = None;
         self.change_to(tasks);
         self.hold_and_let_go();
         Ok(())
@@ -94,7 +95,7 @@ impl Director {
         }
         self.with_dependants(&mut removed);
         moved.retain(|id| !removed.contains(id));
-        self.remove(&removed);
+        self.remove(removed);
         for id in &moved {
             self.move_to(*id, &wanted);
         }
@@ -121,19 +122,30 @@ impl Director {
         }
     }
 
-    /// One telecommand for each: one that is over by now is refused alone.
-    fn remove(&mut self, removed: &BTreeSet<TaskId>) {
-        for id in removed {
-            self.live.remove(id);
-            self.held.remove(id);
-            self.orders.push(Telecommand::Remove(vec![*id]));
+    /// Dependants first: who loses what it waits for is taken out by the manager
+    /// itself. One telecommand for each: one that is over by now is refused
+    /// alone.
+    fn remove(&mut self, mut removed: BTreeSet<TaskId>) {
+        while !removed.is_empty() {
+            let live = removed.iter().filter_map(|id| self.live.get(id));
+            let priors: BTreeSet<_> =
+                live.flat_map(|live| live.task.after.iter().map(|on| on.task)).collect();
+            let (now, later): (BTreeSet<_>, _) =
+                removed.into_iter().partition(|id| !priors.contains(id));
+            for id in &now {
+                self.live.remove(id);
+                self.held.remove(id);
+                self.orders.push(Telecommand::Remove(vec![*id]));
+            }
+            // Nothing comes after itself: the planner plans no circle.
+            removed = if now.is_empty() { BTreeSet::new() } else { later };
         }
     }
 
     fn move_to(&mut self, id: TaskId, wanted: &BTreeMap<TaskId, Task>) {
         let Some((live, new)) = self.live.get_mut(&id).zip(wanted.get(&id)) else { return };
         live.task.windows.clone_from(&new.windows);
-        live.start = start_of(self.setting.epoch, new);
+        live.closes = closes(self.setting.epoch, new);
         self.orders.push(Telecommand::SetWindows(id, new.windows.clone()));
     }
 
@@ -142,8 +154,8 @@ impl Director {
             return;
         }
         for task in &tasks {
-            let start = start_of(self.setting.epoch, task);
-            let live = Live { task: task.clone(), start, started: false };
+            let closes = closes(self.setting.epoch, task);
+            let live = Live { task: task.clone(), closes, started: false };
             self.live.insert(task.id, live);
         }
         let additions = tasks.into_iter().map(|task| Addition { task }).collect();
@@ -156,8 +168,7 @@ impl Director {
         let now = self.state.now;
         let epoch = self.setting.epoch;
         let start = |task| start_of(epoch, task).max(now);
-        let closes = |task: &Task| task.windows.first().map(|window| window.closes);
-        let is_same_time = start(old) == start(new) && closes(old) == closes(new);
+        let is_same_time = start(old) == start(new) && closes(epoch, old) == closes(epoch, new);
         let is_soon = start(new) < now.after(self.setting.parameters.commit);
         let is_same = old.categories == new.categories
             && (is_soon || (old.after == new.after && alike(old, new)));
@@ -195,10 +206,17 @@ impl Director {
     }
 }
 
-fn start_of(epoch: crate::tasks::Epoch, task: &Task) -> Time {
+fn start_of(epoch: Epoch, task: &Task) -> Time {
     match task.windows.first().map(|window| window.opens) {
         Some(When::At(at)) => epoch.time(at),
         _ => Time::ZERO,
+    }
+}
+
+fn closes(epoch: Epoch, task: &Task) -> Time {
+    match task.windows.first().map(|window| window.closes) {
+        Some(When::At(at)) => epoch.time(at),
+        _ => Time::new(i64::MAX),
     }
 }
 

@@ -1,6 +1,6 @@
 //! What the manager tells, taken in.
 
-use faregate_scheduler::manager::Note;
+use faregate_scheduler::manager::{Note, Telecommand};
 use faregate_scheduler::task::{Outcome as TaskOutcome, TaskId};
 
 use super::Director;
@@ -70,11 +70,12 @@ impl Director {
 
     /// The tickets of something that cannot be paused were taken.
     fn lost(&mut self, id: TaskId) {
-        if self.live.remove(&id).is_none() {
-            return;
+        let Some(live) = self.live.remove(&id) else { return };
+        // The manager would run it again from the start, as long as it could
+        // start.
+        if live.closes >= self.state.now {
+            self.orders.push(Telecommand::Remove(vec![id]));
         }
-        // The manager would run it again from the start.
-        self.orders.push(faregate_scheduler::manager::Telecommand::Remove(vec![id]));
         match self.numbers.what(id).cloned() {
             Some(what) => self.phase_lost(what),
             None => self.ends(id, Outcome::Aborted),
@@ -92,10 +93,20 @@ impl Director {
         }
     }
 
+    /// A phase that did not get its draw in time. It is tried again when the
+    /// commit window is over, and not as often as it is missed.
+    fn phase_missed(&mut self, what: &Generated) {
+        if !matches!(what, Generated::Window(..)) {
+            let at = self.looked_at_again();
+            self.again_at = Some(self.again_at.map_or(at, |other| other.min(at)));
+        }
+    }
+
     fn over(&mut self, id: TaskId, outcome: TaskOutcome) {
         let Some(live) = self.live.remove(&id) else { return };
         self.held.remove(&id);
         match self.numbers.what(id).cloned() {
+            Some(what) if !live.started => self.phase_missed(&what),
             Some(what) => self.phase_over(what, outcome),
             None if live.started => self.ends(id, translated(outcome)),
             None => self.did_not_start(id),
@@ -132,7 +143,7 @@ impl Director {
         let Some(live) = self.live.remove(&id) else { return };
         self.held.remove(&id);
         match self.numbers.what(id).cloned() {
-            Some(what) => self.phase_lost(what),
+            Some(what) => self.phase_missed(&what),
             None if live.task.after.is_empty() => {
                 if let Some(activity) = self.activity(id) {
                     self.gives_up(activity.id);

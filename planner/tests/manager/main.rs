@@ -1,0 +1,7 @@
+//! The timed plan, executed by the schedule manager: what is planned runs when it
+//! is planned, and what becomes of it comes back.
+#![expect(clippy::unwrap_used, reason = "what a test needs and does not get fails the test")]
+
+mod fits;
+mod sol;
+mod stage;
