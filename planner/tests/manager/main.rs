@@ -3,5 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "what a test needs and does not get fails the test")]
 
 mod fits;
+#[cfg(target_os = "linux")]
+mod onboard;
 mod sol;
 mod stage;

@@ -1,11 +1,10 @@
 //! The busy sol.
 
-use faregate_planner::plan::{Kind, Outcome};
+use faregate_planner::plan::Outcome;
 use faregate_planner::timed::{Fate, TimedPlan};
-use faregate_planner::trace::Why;
 use faregate_planner::units::{Span, Time};
 use faregate_scheduler::manager::{Exit, Note};
-use faregate_scheduler::task::{Body, Overrun, Preemption, Task, TaskPriority};
+use faregate_scheduler::task::{Body, Preemption, Task, TaskPriority};
 use faregate_scheduler::time::Duration;
 use faregate_tickets::amount::Milliwatts;
 
@@ -28,7 +27,7 @@ fn every_scheduled_activity_runs_in_its_slot_and_its_outcome_comes_back() {
     let (_, first) = &stage.plans[0];
     let planned = scheduled(first);
     assert!(planned.len() >= 15, "the sol is busy: {}", planned.len());
-    let tolerance = stage_tolerance();
+    let tolerance = setting().parameters.handover_tolerance;
     for (number, start) in planned {
         let last = stage.plans.iter().rev().find_map(|(_, timed)| {
             scheduled(timed).into_iter().find(|(other, _)| *other == number)
@@ -46,23 +45,11 @@ fn every_scheduled_activity_runs_in_its_slot_and_its_outcome_comes_back() {
     assert!(stage.director.state().running.is_empty());
 }
 
-fn stage_tolerance() -> Span {
-    setting().parameters.handover_tolerance
-}
-
-/// When an activity is planned to start, by the last plan that was made.
-fn planned(stage: &Stage, number: u32) -> Option<Time> {
-    let (_, timed) = stage.plans.last().unwrap();
-    scheduled(timed).into_iter().find(|(other, _)| *other == number).map(|(_, start)| start)
-}
-
 fn outcome(stage: &Stage, number: u32) -> Option<Outcome> {
     let ended = stage.director.state().ended.iter().find(|ended| ended.id == id(number));
     ended.map(|ended| ended.outcome)
 }
 
-/// The images of the terrain take half as long, and the drive starts as soon as
-/// its wheels are warm and the commit window is over.
 #[test]
 fn an_early_end_pulls_the_next_one_in() {
     let mut usual = Stage::new(Fates::new());
@@ -155,4 +142,69 @@ fn a_draw_that_fits_beside_the_others_takes_no_heater_power() {
     assert!(!stage.story.iter().any(|(_, note)| matches!(note, Note::Preempted(_))));
     stage.until(clock(13, 0));
     assert_eq!(stage.start_of(4), Some(clock(10, 30)));
+}
+
+#[test]
+fn a_condition_that_does_not_hold_at_dispatch_keeps_the_drive_waiting() {
+    let mut stage = Stage::new(Fates::new());
+    stage.until(clock(10, 20));
+    stage.director.variable("drive_permitted", Some(0));
+    stage.until(clock(10, 40));
+    assert_eq!(stage.start_of(4), None);
+    stage.director.variable("drive_permitted", Some(1));
+    stage.until(clock(10, 41));
+    assert_eq!(stage.start_of(4), Some(clock(10, 40)), "in its range still");
+    assert_eq!(stage.refused(), [""; 0]);
+}
+
+#[test]
+fn what_can_be_paused_goes_on_and_what_cannot_is_aborted() {
+    // Laser spectra can be paused; the arm's camera is more important, and
+    // cannot.
+    let mut stage = Stage::new(Fates::new());
+    stage.until(clock(12, 20));
+    let runs = |stage: &Stage| {
+        let running = &stage.director.state().running;
+        running.iter().map(|one| (one.id.get(), one.paused)).collect::<Vec<_>>()
+    };
+    assert_eq!(runs(&stage), [(7, None), (15, None)]);
+    stage.command(vec![adding(emergency(320, 3))]);
+    stage.until(clock(12, 21));
+    assert_eq!(runs(&stage), [(15, Some(clock(12, 20)))]);
+    assert_eq!(outcome(&stage, 7), Some(Outcome::Aborted));
+    stage.until(clock(13, 0));
+    assert_eq!(stage.refused(), [""; 0]);
+    let laser = stage.director.state().ended.iter().find(|ended| ended.id == id(15)).copied();
+    let laser = laser.unwrap();
+    assert_eq!(laser.outcome, Outcome::Succeeded);
+    assert_eq!(laser.ended.since(laser.started.unwrap()), Span::from_mins(23));
+    // It counted on the arm's camera.
+    assert_eq!(stage.start_of(8), None);
+}
+
+#[test]
+fn what_runs_too_long_is_aborted_if_it_is_optional_and_goes_on_if_it_is_mandatory() {
+    let fates =
+        Fates::from([(18, ends_after(40, Exit::Code(0))), (3, ends_after(35, Exit::Code(0)))]);
+    let mut stage = Stage::new(fates);
+    stage.until(clock(13, 0));
+    assert_eq!(stage.refused(), [""; 0]);
+    assert_eq!(outcome(&stage, 18), Some(Outcome::Aborted), "weather");
+    assert_eq!(outcome(&stage, 3), Some(Outcome::Succeeded), "images of the terrain");
+    let images = stage.start_of(3).unwrap().after(Span::from_mins(35));
+    assert!(stage.start_of(4) >= Some(images), "and the drive waits for them");
+}
+
+#[test]
+fn windows_that_change_are_planned_around_at_once() {
+    let mut stage = Stage::new(Fates::new());
+    stage.until(clock(11, 0));
+    let mut windows = stage.director.state().windows.clone();
+    let relay = windows.iter_mut().find(|window| window.name == "afternoon relay").unwrap();
+    relay.start = clock(15, 0);
+    stage.director.windows(windows);
+    stage.until(clock(16, 30));
+    assert_eq!(stage.refused(), [""; 0]);
+    assert!(stage.plans.iter().any(|(at, _)| *at == clock(11, 0)));
+    assert_eq!(stage.starts_of_task("window afternoon relay"), [clock(15, 0)]);
 }

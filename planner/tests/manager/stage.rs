@@ -180,7 +180,11 @@ impl Stage {
 
     /// When heating of a zone began, each time that it did.
     pub(crate) fn starts_of_heating(&self, zone: &str) -> Vec<Time> {
-        let name = format!("heat {zone}");
+        self.starts_of_task(&format!("heat {zone}"))
+    }
+
+    /// Starts of everything that is called so.
+    pub(crate) fn starts_of_task(&self, name: &str) -> Vec<Time> {
         let called = |id| self.names.get(&id).is_some_and(|one| *one == name);
         let begins =
             |note: &Note| matches!(note, Note::Started(attempt) if called(attempt.occurrence.task));
