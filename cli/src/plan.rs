@@ -6,6 +6,7 @@ mod diff;
 mod files;
 mod input;
 mod make;
+mod mission;
 mod new;
 mod run;
 

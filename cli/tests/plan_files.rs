@@ -208,3 +208,23 @@ fn each_sub_command_has_an_example_that_names_it() {
         );
     }
 }
+
+#[test]
+fn parameters_are_compared_with_the_mission_that_plans_are_executed_on() {
+    let sols = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/sols");
+    let (parameters, rover) = (sols.join("parameters.xml"), sols.join("rover.toml"));
+    let said = plan(&["check", text(&parameters), "--mission", text(&rover)]);
+    assert_eq!((said.code, said.err.as_str()), (0, ""), "{said:?}");
+    let less = fs::read_to_string(&rover).unwrap().replace("supply_w = 480", "supply_w = 479");
+    let scratch = Scratch::new();
+    let less = scratch.file("less.toml", less.replace("\"engine 3\" = 102\n", ""));
+    let said = plan(&["check", text(&parameters), "--mission", text(&less)]);
+    assert_eq!(said.code, 1);
+    for part in ["a peak of 480 W", "has 479 W", "no category `engine 3`", "less.toml:4"] {
+        assert!(said.err.contains(part), "{part}: {said:?}");
+    }
+    assert!(said.out.contains("2 errors"), "{said:?}");
+    let said = plan(&["check", text(&sols.join("busy/state.xml")), "--mission", text(&rover)]);
+    assert_eq!(said.code, 1);
+    assert!(said.err.contains("name their file, too"), "{said:?}");
+}

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::args::{Format, PlanCheckArgs};
 use crate::exit::{Exit, Failure};
-use crate::plan::files;
+use crate::plan::{files, mission};
 use crate::schedule::Source;
 use crate::{out, report};
 
@@ -29,8 +29,9 @@ struct File<'a> {
 }
 
 pub(crate) fn check(args: &PlanCheckArgs) -> Result<Exit, Failure> {
-    let sources =
+    let mut sources =
         args.files.iter().map(|path| Source::open(path)).collect::<Result<Vec<_>, _>>()?;
+    let mission = args.mission.as_deref().map(Source::open).transpose()?;
     let mut found = Vec::new();
     let parameters = sources.iter().find_map(parameters);
     let documents: Vec<Option<Document>> = (sources.iter())
@@ -47,6 +48,11 @@ pub(crate) fn check(args: &PlanCheckArgs) -> Result<Exit, Failure> {
         .collect();
     if let Some(parameters) = &parameters {
         found.extend(together(&sources, &documents, parameters));
+    }
+    if let Some(mission) = mission {
+        found.extend(mission::fits(parameters.as_ref(), &mission)?);
+        // It is shown with the others, and is none of them.
+        sources.push(mission);
     }
     let errors = found.iter().filter(|one| one.is_error()).count();
     let warnings = found.len() - errors;

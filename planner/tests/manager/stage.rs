@@ -21,7 +21,7 @@ use faregate_scheduler::time::{Duration, Instant, Now, UnixTime};
 use faregate_scheduler::{Manager, Mission};
 use faregate_tickets::amount::Microjoules;
 
-const ROVER: &str = include_str!("rover.toml");
+const ROVER: &str = include_str!("../../../examples/sols/rover.toml");
 const PLAN: &str = include_str!("../../../examples/sols/busy/plan.xml");
 const STATE: &str = include_str!("../../../examples/sols/busy/state.xml");
 const PARAMETERS: &str = include_str!("../../../examples/sols/parameters.xml");

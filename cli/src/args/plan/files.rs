@@ -9,14 +9,20 @@ use crate::args::Format;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Parameters among the files are what the others are judged by, and a plan and a
-state are judged together, too.
+state are judged together, too. With a mission, the parameters are compared with
+what it has: supply, categories, engines, heaters.
 
-Example:
-  faregate plan check sol.xml parameters.xml state.xml")]
+Examples:
+  faregate plan check sol.xml parameters.xml state.xml
+  faregate plan check parameters.xml --mission rover.toml")]
 pub(crate) struct PlanCheckArgs {
     /// Plans, parameters and states, as XML or in the compact form.
     #[arg(required = true, value_name = "FILE")]
     pub(crate) files: Vec<PathBuf>,
+    /// The mission on which timed plans are to be executed, in a schedule's
+    /// native format.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) mission: Option<PathBuf>,
     /// How the result is printed.
     #[arg(long, value_enum, default_value_t)]
     pub(crate) format: Format,
