@@ -1,7 +1,7 @@
 //! Routine tasks keep their phase, whatever becomes of their occurrences.
 
 use crate::manager::entry::Entry;
-use crate::manager::occurrence::WINDOW;
+use crate::manager::occurrence::{CUTOFF, WINDOW};
 use crate::manager::step::Step;
 use crate::manager::timers::Kind;
 
@@ -52,12 +52,16 @@ impl Step<'_> {
         let Some(entry) = self.entry(index) else { return };
         let first = entry.next;
         let present = entry.last_due_by(self.now).unwrap_or(0).max(first);
-        // One whose window has closed need not be looked at: seen from here it
-        // is lost with those before it.
-        let lost = entry.window(present, self.now).is_none();
-        let number = if lost { present.saturating_add(1) } else { present };
+        // Those that cannot start any more need not be looked at: seen from
+        // here they are lost with those before them, however many they are.
+        let number = entry.first_possible(present, self.now);
         if number > first {
-            let why = if lost { WINDOW } else { PASSED };
+            let closed = entry.window(present, self.now).is_none();
+            let why = match number > present {
+                true if closed => WINDOW,
+                true => CUTOFF,
+                false => PASSED,
+            };
             self.count_missed(index, first, number.saturating_sub(1), why);
             self.settle_dependants(index, crate::task::Outcome::Missed, false);
         }

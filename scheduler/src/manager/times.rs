@@ -43,6 +43,24 @@ impl Entry {
             .min_by_key(|window| now.until(window.from).max(0))
     }
 
+    /// The first occurrence from this one on that may still start: not all of
+    /// its windows have closed, and its cutoff has not come. Ends that are told
+    /// by the time of day can lie any number of intervals before the others.
+    pub(crate) fn first_possible(&self, from: u64, now: Present) -> u64 {
+        let interval = self.task.interval.map_or(0, from_duration).max(1);
+        let since = |end: Point| now.until(end).saturating_neg();
+        // So many intervals later an end lies that has not passed.
+        let intervals = |since: Micros| since.div_euclid(interval).saturating_add(1);
+        let windows = self.task.windows.iter().map(|window| {
+            let closes = self.point(window.closes, 0);
+            closes.map_or(0, |end| intervals(since(end).saturating_sub(1)))
+        });
+        let cutoff = self.point(self.task.cutoff, 0);
+        let cutoff = cutoff.map_or(0, |end| intervals(since(end)));
+        let first = windows.min().unwrap_or(0).max(cutoff);
+        from.max(u64::try_from(first).unwrap_or(0))
+    }
+
     /// A window that opened since the last step and has closed already, within
     /// what a host may be late: the manager was, and not the task.
     pub(crate) fn late_window(&self, number: u64, last: Present, now: Present) -> Option<Open> {

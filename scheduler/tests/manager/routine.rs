@@ -1,6 +1,9 @@
 //! Routine tasks keep their phase, and never run in bursts.
 
-use crate::world::{With, World, task, wall};
+use faregate_scheduler::task::When;
+use faregate_scheduler::time::UnixTime;
+
+use crate::world::{BEGAN, With, World, task, wall};
 
 fn starts(world: &World) -> Vec<&str> {
     world.lines(&["started"])
@@ -139,4 +142,34 @@ fn misses_that_go_on_can_be_asked_for() {
     world.until(15.0);
     let misses: Vec<_> = world.manager().untold().map(|note| note.to_string()).collect();
     assert_eq!(misses, ["task 2 missed occurrence 1: the one before was still running"]);
+}
+
+/// Who writes 5 for the latest start, and means +5, has occurrences that have
+/// been over since 1970.
+#[test]
+fn occurrences_that_were_over_long_ago_are_counted_and_not_looked_at() {
+    let closed = task(1, 1.0).every(1.0).with(|task| {
+        task.windows[0].closes = When::At(UnixTime::from_secs(5));
+    });
+    let cut_off = task(2, 1.0).every(1.0).with(|task| {
+        task.cutoff = When::At(UnixTime::from_secs(5));
+    });
+    let mut world = World::of([closed, cut_off]);
+    world.until(3.5);
+    assert!(starts(&world).is_empty());
+    let untold: Vec<_> = world.manager().untold().map(|note| note.to_string()).collect();
+    // What was before the load is no miss; of each the present one is.
+    let last = BEGAN - 5 + 3;
+    assert_eq!(
+        untold,
+        [
+            format!("task 1 missed {last} occurrences, 1 to {last}: its window closed"),
+            format!(
+                "task 2 missed {} occurrences, 0 to {}: its cutoff came before it could start",
+                last + 1,
+                last
+            ),
+        ]
+    );
+    assert!(world.journal.records.len() < 30, "{}", world.journal.records.len());
 }
