@@ -84,7 +84,8 @@ impl Step<'_> {
             | Stage::Running
             | Stage::Paused => {}
             Stage::Stopping { then, .. } | Stage::Runaway(then) => {
-                if *then == Then::Again {
+                // What has failed may be tried again, what is aborted may not.
+                if *then == Then::Again || means == Then::Abort {
                     *then = means;
                 }
                 return;

@@ -6,7 +6,7 @@ use faregate_scheduler::manager::{
     Action, Addition, Attempt, Event, Exit, Manager, Needs, Occurrence, Stop, Telecommand,
     TelecommandId, WaitsFor,
 };
-use faregate_scheduler::task::{Preemption, Task, TaskPriority};
+use faregate_scheduler::task::{Preemption, Restart, Task, TaskPriority, When};
 use faregate_scheduler::time::{Instant, Now};
 
 use crate::world::{With, World, id, seconds, task};
@@ -95,6 +95,29 @@ fn a_taker_names_its_victims_and_starts_when_they_have_stopped() {
     let ended = Event::Exited { attempt: attempt(2), exit: Exit::Code(0) };
     assert_eq!(manager.step([ended]), [relinquish(2)]);
     assert_eq!(manager.step([granted(1)]), [Action::Continue { attempt: attempt(1) }]);
+}
+
+/// It is silent from 5 s on, and takes its grace; at 8 s comes its latest end.
+#[test]
+fn one_whose_cutoff_comes_while_it_is_ended_for_a_failure_is_not_tried_again() {
+    for cutoff in [8.0, 9.0] {
+        let first = task(1, 50.0).with(|task| {
+            task.heartbeat = Some(seconds(5.0));
+            task.preemption = Preemption::Kill { grace: seconds(10.0) };
+            task.restart = Restart::OnFailure { limit: 3, back_off: seconds(0.0) };
+            task.cutoff = When::AfterLoad(seconds(cutoff));
+        });
+        let (mut manager, _) = Bare::of(Mission::default(), [first]);
+        manager.step([granted(1)]);
+        manager.1 = 5_100_000;
+        assert!(matches!(manager.step([])[..], [Action::Stop { .. }]));
+        manager.1 = 8_500_000;
+        assert_eq!(manager.step([]), []);
+        let ended = Event::Exited { attempt: attempt(1), exit: Exit::Signal(9) };
+        let again =
+            if cutoff > 8.5 { vec![relinquish(1), request(1, &[])] } else { vec![relinquish(1)] };
+        assert_eq!(manager.step([ended]), again, "{cutoff}");
+    }
 }
 
 #[test]
