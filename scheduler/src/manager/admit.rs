@@ -102,6 +102,7 @@ impl Step<'_> {
             due: Point::elapsed(accepted.elapsed),
             attempts: 0,
             failures: 0,
+            saved: false,
             held,
             removed: false,
             armed: false,

@@ -167,12 +167,15 @@ impl Step<'_> {
     /// made. The request for its tickets stays at the agents.
     fn again(&mut self, index: u32) {
         let now = self.now;
+        let Some(entry) = self.entry_mut(index) else { return };
+        entry.saved =
+            matches!(entry.run.stage, Stage::Stopping { how: Stop::Checkpoint { .. }, .. });
         self.set_stage(index, Stage::Idle);
         let Some(entry) = self.entry_mut(index) else { return };
         let attempt = entry.attempt();
         entry.run.ran = 0;
         entry.run.overran = false;
-        let window = entry.window(entry.current, now);
+        let window = entry.present_window(now);
         self.write(Record::Over { attempt, outcome: None });
         self.note(Note::Preempted(attempt));
         let Some(window) = window else {

@@ -163,6 +163,7 @@ impl Step<'_> {
         entry.next = entry.current.saturating_add(1);
         entry.attempts = 0;
         entry.failures = 0;
+        entry.saved = false;
         entry.arrival = now.elapsed;
         entry.due = Point::elapsed(now.elapsed);
         entry.run = Run::new();

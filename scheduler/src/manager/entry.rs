@@ -27,6 +27,9 @@ pub(crate) struct Entry {
     pub(crate) attempts: u32,
     /// How many of them failed.
     pub(crate) failures: u32,
+    /// The last one was checkpointed: the next goes on with what that saved,
+    /// and is no start that a window is needed for.
+    pub(crate) saved: bool,
     pub(crate) held: bool,
     /// It leaves the schedule when its body has ended.
     pub(crate) removed: bool,

@@ -218,6 +218,7 @@ impl Step<'_> {
             let idle = |entry: &&mut Entry| entry.run.stage == Stage::Idle;
             let Some(entry) = self.entry_mut(*index).filter(idle) else { continue };
             entry.attempts = entry.attempts.saturating_add(1);
+            entry.saved = false;
             let attempt = entry.attempt();
             if attempt.number == 1 {
                 self.spend_dependencies(*index);

@@ -26,6 +26,7 @@ impl Step<'_> {
         entry.next = number.saturating_add(1);
         entry.attempts = 0;
         entry.failures = 0;
+        entry.saved = false;
         entry.told = None;
         entry.run = Run::new();
         entry.place = Place::Away;
@@ -42,7 +43,7 @@ impl Step<'_> {
     pub(crate) fn seat(&mut self, index: u32, earliest: Option<Point>) {
         let (now, last) = (self.now, self.manager.last);
         let Some(entry) = self.entry_mut(index) else { return };
-        let window = entry.window(entry.current, now);
+        let window = entry.present_window(now);
         let Some(window) = window.or_else(|| entry.late_window(entry.current, last, now)) else {
             return self.missed(index, WINDOW);
         };
@@ -109,7 +110,7 @@ impl Step<'_> {
         if entry.late_window(entry.current, self.manager.last, self.now).is_some() {
             return self.set_timer_in(index, Kind::Closed, from_duration(LATENESS));
         }
-        let has_another = entry.window(entry.current, self.now).is_some();
+        let has_another = entry.present_window(self.now).is_some();
         self.unseat(index);
         if has_another {
             self.seat(index, None);

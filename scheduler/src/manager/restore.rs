@@ -7,7 +7,7 @@ use crate::manager::entry::Place;
 use crate::manager::point::Present;
 use crate::manager::step::Step;
 use crate::manager::{Attempt, Exit, Note, Record, Restored, RestoredTask};
-use crate::task::{Outcome, TaskId};
+use crate::task::{Outcome, Preemption, Restart, TaskId};
 
 /// What the journal says of a task, beside the task.
 #[derive(Clone, Copy, Debug)]
@@ -120,6 +120,10 @@ impl Step<'_> {
         // How many of them failed is not known: none may be tried too often.
         entry.failures = entry.attempts.saturating_sub(u32::from(interrupted));
         if !interrupted {
+            // It was pre-empted, or has failed and is tried again. Where that
+            // is not done it was pre-empted, by its policy.
+            entry.saved = entry.task.restart == Restart::Never
+                && matches!(entry.task.preemption, Preemption::Checkpoint { .. });
             return self.seat(index, None);
         }
         let outcome = Outcome::Failed;

@@ -43,6 +43,15 @@ impl Entry {
             .min_by_key(|window| now.until(window.from).max(0))
     }
 
+    /// The same for an attempt of the present occurrence. One that goes on with
+    /// what was saved is no start: it needs no window.
+    pub(crate) fn present_window(&self, now: Present) -> Option<Open> {
+        if self.saved {
+            return Some(Open { from: self.due, until: None });
+        }
+        self.window(self.current, now)
+    }
+
     /// The first occurrence from this one on that may still start: not all of
     /// its windows have closed, and its cutoff has not come. Ends that are told
     /// by the time of day can lie any number of intervals before the others.

@@ -1,6 +1,6 @@
 //! When an attempt may start, and what becomes of one that could not.
 
-use faregate_scheduler::task::{Preemption, Window};
+use faregate_scheduler::task::{CheckpointSignal, Preemption, Window};
 
 use crate::world::{With, World, seconds, task, wall};
 
@@ -63,6 +63,24 @@ fn resuming_is_no_start_but_running_again_after_a_kill_is_one() {
         assert_eq!(world.lines(&["task 1 succeeded"]).len(), usize::from(succeeds));
         assert_eq!(world.lines(&["task 1 missed"]).len(), usize::from(!succeeds));
     }
+}
+
+/// What a checkpoint saved is gone on with, like what a pause kept.
+#[test]
+fn running_again_after_a_checkpoint_is_no_start() {
+    let preemption =
+        Preemption::Checkpoint { grace: seconds(1.0), signal: CheckpointSignal::User1 };
+    let first = task(1, 20.0).categories(1).closes(4.0);
+    let first = first.with(|task| task.preemption = preemption);
+    let second = task(2, 10.0).categories(1).priority(1).at(5.0);
+    let mut world = World::of([first, second]);
+    world.until(100.0);
+    assert_eq!(
+        world.lines(&["task 1 attempt 2 started", "task 1 succeeded", "missed"]),
+        ["16.000 task 1 attempt 2 started", "31.000 task 1 succeeded"],
+        "{:#?}",
+        world.log.lines
+    );
 }
 
 #[test]

@@ -187,7 +187,7 @@ impl Bench {
     /// Occurrences that are due while another one is at work are lost.
     fn skip(&mut self) {
         for known in &mut self.known {
-            if known.rerun.is_some_and(|number| !known.is_open(number, self.now)) {
+            if known.rerun.is_some_and(|number| !known.may_rerun(number, self.now)) {
                 known.last = known.last.max(known.rerun.take());
             }
             if known.body.is_some() || known.rerun.is_some() {
@@ -233,7 +233,7 @@ impl Bench {
         let body = known.body.take().unwrap();
         let pauses = matches!(known.task.preemption, Preemption::Pause);
         let again = body.state == Does::Stops && !body.ends && !pauses;
-        if again && known.is_open(body.number, self.now) {
+        if again && known.may_rerun(body.number, self.now) {
             known.rerun = Some(body.number);
         } else {
             known.last = known.last.max(Some(body.number));
@@ -351,7 +351,9 @@ impl Bench {
         let known = &self.known[index];
         assert!(known.body.is_none(), "{attempt} has a body already");
         assert!(known.due(number) <= self.now, "{attempt} started too early");
-        assert!(known.is_open(number, self.now), "{attempt} started too late");
+        let again = known.rerun == Some(number);
+        let may = if again { Known::may_rerun } else { Known::is_open };
+        assert!(may(known, number, self.now), "{attempt} started too late");
         self.fits(index, true);
         let known = &mut self.known[index];
         known.rerun = None;

@@ -58,6 +58,12 @@ impl Known {
         closes.is_none_or(|closes| now <= self.loaded + closes + self.shift(number))
     }
 
+    /// What a checkpoint saved is gone on with: that is no start.
+    pub(crate) fn may_rerun(&self, number: u64, now: i64) -> bool {
+        let saves = matches!(self.task.preemption, Preemption::Checkpoint { .. });
+        saves || self.is_open(number, now)
+    }
+
     /// The last occurrence that is due by now.
     pub(crate) fn last_due(&self, now: i64) -> Option<u64> {
         match self.task.interval {
@@ -75,7 +81,7 @@ impl Known {
             return (!body.ends).then_some(body.number);
         }
         if let Some(number) = self.rerun {
-            return self.is_open(number, now).then_some(number);
+            return self.may_rerun(number, now).then_some(number);
         }
         let number = self.last_due(now)?;
         let is_new = self.last.is_none_or(|last| number > last);
