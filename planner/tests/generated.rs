@@ -69,6 +69,6 @@ fn a_small_world_lies_on_its_grid() {
     let problem = Problem::new(&world.plan, &world.parameters, &world.state).expect("it is fit");
     let timed = schedule(&problem, None);
     let out = timed.rows.iter().filter(|row| matches!(row.fate, Fate::Out(_))).count();
-    assert!(out >= 6 && out < 60, "more than fit: {out} are left out");
+    assert!((6..60).contains(&out), "more than fit: {out} are left out");
     assert!(timed.unavoidable.is_empty(), "alone it keeps its limits");
 }

@@ -199,10 +199,10 @@ pub(crate) fn priors(scene: &Scene<'_>, world: &World<'_>, index: usize) -> Prio
         Priors::Waits(_) => 2,
         Priors::From(_) => 3,
     };
-    if let Some((_, worst)) = judged.iter().min_by_key(|(_, priors)| rank(priors)) {
-        if rank(worst) < 3 {
-            return *worst;
-        }
+    if let Some((_, worst)) = judged.iter().min_by_key(|(_, priors)| rank(priors))
+        && rank(worst) < 3
+    {
+        return *worst;
     }
     for (_, priors) in judged {
         if let Priors::From(at) = priors {

@@ -1,13 +1,13 @@
 //! What the control thread wants done.
 
 use faregate_devices_sim::rover::{RoverCommand, RunSpec};
-use faregate_planner::{ActivityId, TimedPlan};
 use faregate_planner::execute::{Action, Event, Start};
 use faregate_planner::parameters::Load;
 use faregate_planner::plan::{Activity, Kind, Outcome};
 use faregate_planner::state::Mode;
 use faregate_planner::trace::{Cause, Happened, Why};
 use faregate_planner::units::{Bytes, Span};
+use faregate_planner::{ActivityId, TimedPlan};
 
 use crate::draws::share;
 use crate::host::{Heater, Held, Host};
@@ -74,8 +74,7 @@ impl Host<'_, '_, '_> {
     fn note_pushed(&mut self, incumbent: &TimedPlan) {
         let before = self.control.timed();
         let slots = incumbent.rows.iter().filter_map(|row| Some((row.id, incumbent.slot(row.id)?)));
-        let pushed: Vec<_> =
-            slots.filter(|(id, slot)| before.slot(*id) != Some(*slot)).collect();
+        let pushed: Vec<_> = slots.filter(|(id, slot)| before.slot(*id) != Some(*slot)).collect();
         for (id, slot) in pushed {
             self.note(Happened::Pushed { id, slot });
         }

@@ -156,13 +156,9 @@ fn what_ends_early_pulls_the_next_ones_in_and_the_plan_as_it_stands_does_not() {
     assert!(summary.early_starts > 0 && summary.replans > 0, "{summary:?}");
 }
 
-
 #[test]
 fn an_activity_that_fails_gets_its_cleanup_and_one_that_succeeds_does_not() {
-    let after = vec![Dependency {
-        prior: id(1),
-        statuses: vec![Status::Failed, Status::Aborted],
-    }];
+    let after = vec![Dependency { prior: id(1), statuses: vec![Status::Failed, Status::Aborted] }];
     let cleanup = Activity { kind: Kind::Cleanup, after, ..activity(2) };
     let mut setup = setup(vec![activity(1), cleanup]);
     assert_eq!(Summary::of(&setup.plan, &executed(&setup)).cleanups, 0);
@@ -234,9 +230,7 @@ fn nothing_starts_in_a_zone_that_a_dead_heater_did_not_warm() {
     let trace = executed(&setup);
     let late = started(&trace, 1).expect("it is heated again");
     assert!(late > until, "{late}");
-    let cold = |what: &Happened| {
-        matches!(what, Happened::Planned { why, .. } if why.contains(&Why::ZoneCold))
-    };
+    let cold = |what: &Happened| matches!(what, Happened::Planned { why, .. } if why.contains(&Why::ZoneCold));
     assert!(when(&trace, cold).is_some());
 }
 

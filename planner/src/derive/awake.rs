@@ -172,15 +172,15 @@ impl<'a, 'w, W: Watch> Sweep<'a, 'w, W> {
             }
             if !absorbs {
                 if self.reach.lt(self.end(), down.later(computer.shutdown_time)) {
-                    return self.to_the_end(begun);
+                    return self.until_the_end(begun);
                 }
                 match self.down(down, need) {
-                    Down::Never => return self.to_the_end(begun),
+                    Down::Never => return self.until_the_end(begun),
                     Down::At(down, next) => return self.close(begun, down, next),
                     Down::Later => {}
                 }
             }
-            let Some(need) = need else { return self.to_the_end(begun) };
+            let Some(need) = need else { return self.until_the_end(begun) };
             self.meet(need);
             if need.who == Who::Block {
                 return self.before_block(begun, need.from);
@@ -193,7 +193,7 @@ impl<'a, 'w, W: Watch> Sweep<'a, 'w, W> {
         }
     }
 
-    fn to_the_end(&mut self, begun: Up) -> Option<Up> {
+    fn until_the_end(&mut self, begun: Up) -> Option<Up> {
         let end = self.end();
         self.go(end, self.problem.computer.awake);
         self.phases.push(Phase { wakeup: begun.wakeup, up: begun.up, down: end, asleep: end });

@@ -56,7 +56,7 @@ pub(crate) struct Placed {
 impl Placed {
     /// What is so whatever is planned: windows, manual blocks, what runs.
     pub(crate) fn first(problem: &Problem) -> Self {
-        let zones = problem.zones.iter().map(|zone| ZoneLine::new(zone)).collect();
+        let zones = problem.zones.iter().map(ZoneLine::new).collect();
         let mut placed = Self { steps: Vec::new(), needs: Vec::new(), zones };
         placed.windows(problem);
         placed.blocks(problem);

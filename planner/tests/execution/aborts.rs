@@ -90,9 +90,9 @@ fn an_aborted_one_allows_the_planner_to_schedule_a_cleanup() {
     bench.starts(1, min(0));
     let actions = bench.event(min(3), Event::Stop(id(1)));
     assert_eq!(aborted(&actions, 1), Some(Cause::Ordered));
-    let wanted = actions.iter().any(
-        |action| matches!(action, Action::Replan(why) if why.contains(&Why::Outcome(id(1)))),
-    );
+    let wanted = actions
+        .iter()
+        .any(|action| matches!(action, Action::Replan(why) if why.contains(&Why::Outcome(id(1)))));
     assert!(wanted, "{actions:?}");
 }
 

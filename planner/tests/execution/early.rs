@@ -30,9 +30,7 @@ fn the_next_activity_starts_when_the_current_one_finishes_early() {
         _ => None,
     });
     assert_eq!(early, Some((true, min(16))));
-    let wanted = |action: &Action| {
-        matches!(action, Action::Replan(why) if why.contains(&Why::StartedEarly(id(2))))
-    };
+    let wanted = |action: &Action| matches!(action, Action::Replan(why) if why.contains(&Why::StartedEarly(id(2))));
     assert!(actions.iter().any(wanted), "{actions:?}");
 }
 

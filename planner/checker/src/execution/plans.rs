@@ -15,7 +15,14 @@ pub(super) fn check(plan: &Plan, parameters: &Parameters, trace: &Trace) -> Vec<
         match &entry.what {
             Happened::Planned { state, timed, .. } => {
                 let effort = Effort { grid: 0 };
-                wrong.extend(check_plan(plan, parameters, state, incumbent.as_ref(), timed, effort));
+                wrong.extend(check_plan(
+                    plan,
+                    parameters,
+                    state,
+                    incumbent.as_ref(),
+                    timed,
+                    effort,
+                ));
                 incumbent = Some(TimedPlan::clone(timed));
             }
             Happened::Pushed { id, slot } => push(incumbent.as_mut(), *id, *slot),
