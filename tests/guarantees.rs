@@ -78,6 +78,26 @@ fn every_file_and_every_test_in_it_exists() {
     assert!(tests > 60, "only {tests} tests were found: has the page another form now?");
 }
 
+#[test]
+fn every_slide_has_its_code_and_its_test() {
+    let page = read("docs/planner-slides.md");
+    let mut tests = 0;
+    for row in page.lines().filter(|line| line.starts_with('|') && line.contains(".rs`")) {
+        let before = tests;
+        let mut file = None;
+        for word in quoted(row) {
+            if word.ends_with(".rs") {
+                file = Some((word, read(word)));
+            } else if let Some((path, text)) = file.as_ref().filter(|_| is_a_test_name(word)) {
+                assert!(text.contains(&format!("fn {word}()")), "{path} has no {word}");
+                tests += 1;
+            }
+        }
+        assert!(tests > before, "no test in: {row}");
+    }
+    assert!(tests > 40, "only {tests} tests were found: has the page another form now?");
+}
+
 fn is_a_test_name(word: &str) -> bool {
     word.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
 }
