@@ -94,6 +94,20 @@ fn what_starts_within_the_commit_window_stays_where_the_incumbent_has_it() {
     assert_eq!(replanned.json()["violations"], Value::Array(Vec::new()));
 }
 
+#[test]
+fn an_explanation_says_what_would_let_it_in_and_it_does() {
+    let scratch = Scratch::new();
+    let crowded = plan(&[arm(1, "place", 90), arm(2, "brush", 80)]);
+    let said = make(&scratch, &crowded, &["--explain"]);
+    let line = "brush: without arm, held by place: 10:10";
+    assert!(said.out.contains(line), "{}", said.out);
+    let dropped = crowded.rsplit_once("<uses resource=\"arm\"/>").expect("it uses the arm");
+    let without = [dropped.0, dropped.1].concat();
+    let said = make(&scratch, &without, &["--format", "json"]);
+    assert_eq!(statuses(&said), ["scheduled", "scheduled"]);
+    assert_eq!(said.json()["activities"][1]["start_s"], Value::from(36_600), "{said:?}");
+}
+
 /// The one pass takes the first; the other one is worth more.
 fn dear_and_cheap() -> String {
     let dear = arm(2, "brush", 80).replace("priority=\"80\"", "priority=\"80\" value=\"500\"");

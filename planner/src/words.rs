@@ -2,6 +2,7 @@
 //! of day, and who is in the way.
 
 mod amounts;
+mod relaxed;
 
 use crate::parameters::Parameters;
 use crate::plan::{ActivityId, Outcome, Plan};

@@ -21,7 +21,7 @@ use crate::args::{PlanMakeArgs, TableFormat};
 use crate::exit::{Exit, Failure};
 use crate::out;
 use crate::plan::input::{self, Inputs};
-use crate::plan::make::search::{Found, Search};
+use crate::plan::make::search::{Explanations, Found, Search};
 
 /// Some mandatory activities are left out. The words were right all the same:
 /// the number is that of wrong usage, and standard output tells them apart.
@@ -43,6 +43,7 @@ struct Made {
     projection: Projection,
     /// By the independent checker. There is none, or else the planner is wrong.
     violations: Vec<String>,
+    explanations: Option<Explanations>,
     search: Option<Search>,
 }
 
@@ -53,9 +54,14 @@ pub(super) fn make(args: &PlanMakeArgs) -> Result<Exit, Failure> {
     let incumbent = args.incumbent.as_deref().map(incumbent).transpose()?;
     let Found { timed, search } = search::best(&problem, incumbent.as_ref(), args)?;
     let violations = violations(&plan, &parameters, &state, incumbent.as_ref(), &timed);
+    let explanations = args.explain.then(|| {
+        let words = Words::new(&plan, &parameters);
+        search::explanations(&problem, incumbent.as_ref(), &timed, &words)
+    });
     let projection = project(&plan, &parameters, &state, &timed)
         .map_err(|unknown| Failure::failed(unknown.to_string()))?;
-    let made = Made { plan, parameters, state, timed, projection, violations, search };
+    let made =
+        Made { plan, parameters, state, timed, projection, violations, explanations, search };
     write(args, &made)?;
     match args.format {
         TableFormat::Json => out::json(&document::document(&made))?,

@@ -37,6 +37,10 @@ pub(crate) struct PlanMakeArgs {
     /// Writes the timed plan itself: for --incumbent, and for `plan run`.
     #[arg(long, value_name = "TIMED.json")]
     pub(crate) out: Option<PathBuf>,
+    /// Says of each activity that is left out the smallest change of each limit
+    /// that would let it in at its turn.
+    #[arg(long)]
+    pub(crate) explain: bool,
 }
 
 const MAKE_HELP: &str = "\

@@ -19,6 +19,9 @@ pub(super) struct Document {
     violations: Vec<String>,
     excess: Vec<Exceeded>,
     unavoidable: Vec<Exceeded>,
+    /// Where it is asked for alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    explanations: Option<BTreeMap<u32, Vec<String>>>,
 }
 
 #[derive(Debug, Serialize)]
@@ -69,6 +72,10 @@ pub(super) fn document(made: &Made) -> Document {
         violations: made.violations.clone(),
         excess: exceeded(&made.timed.excess, &words),
         unavoidable: exceeded(&made.timed.unavoidable, &words),
+        explanations: made
+            .explanations
+            .as_ref()
+            .map(|all| all.iter().map(|(id, said)| (id.get(), said.clone())).collect()),
     }
 }
 

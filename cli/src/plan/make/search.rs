@@ -1,11 +1,17 @@
-//! The search for a better plan, which may take a while: it shows how far it is
+//! The search for a better plan, and for what would let more in. Either may take
+//! a while: it shows how far it is
 //! after a second, and an interrupt ends it with what was found by then.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use faregate_planner::{Budget, Improved, Problem, TimedPlan, Worth, improve, schedule};
+use faregate_planner::explain::explain;
+use faregate_planner::timed::Fate;
+use faregate_planner::words::Words;
+use faregate_planner::{
+    ActivityId, Budget, Improved, Problem, TimedPlan, Worth, improve, schedule,
+};
 use indicatif::{ProgressBar, ProgressStyle};
 use signal_hook::consts::SIGINT;
 
@@ -44,11 +50,11 @@ pub(super) fn best(
     let interrupt = Arc::new(AtomicBool::new(false));
     let heard = signal_hook::flag::register(SIGINT, Arc::clone(&interrupt))
         .map_err(|error| Failure::failed(format!("interrupts cannot be heard: {error}")))?;
-    let mut patience = Patience::new(evaluations);
+    let mut patience = Patience::new(evaluations, "evaluations");
     let budget = Budget { evaluations, seed: args.seed };
     let Improved { timed, worth, evaluations, rounds } =
         improve(problem, incumbent, budget, &mut || {
-            patience.evaluated();
+            patience.step();
             interrupt.load(Ordering::Relaxed)
         });
     patience.bar.finish_and_clear();
@@ -57,6 +63,30 @@ pub(super) fn best(
     let interrupted = interrupt.load(Ordering::Relaxed);
     let search = Search { before, after: worth, rounds, evaluations, interrupted };
     Ok(Found { timed, search: Some(search) })
+}
+
+/// Of each activity that is left out, what would let it in.
+pub(super) type Explanations = Vec<(ActivityId, Vec<String>)>;
+
+/// Each limit by itself that would let a left-out activity in at its turn.
+pub(super) fn explanations(
+    problem: &Problem,
+    incumbent: Option<&TimedPlan>,
+    timed: &TimedPlan,
+    words: &Words<'_>,
+) -> Explanations {
+    let out = timed.rows.iter().filter(|row| matches!(row.fate, Fate::Out(_)));
+    let mut patience =
+        Patience::new(u64::try_from(timed.rows.len()).unwrap_or(u64::MAX), "activities");
+    let explained = out.filter_map(|row| {
+        patience.step();
+        let explanation = explain(problem, incumbent, row.id)?;
+        let said = explanation.relaxations.iter().map(|one| words.relaxation(one));
+        Some((row.id, said.collect::<Vec<_>>()))
+    });
+    let explained = explained.filter(|(_, said)| !said.is_empty()).collect();
+    patience.bar.finish_and_clear();
+    explained
 }
 
 impl Search {
@@ -87,25 +117,26 @@ impl Search {
 /// Shows how far it is, after a second.
 struct Patience {
     began: Instant,
-    evaluated: u64,
+    steps: u64,
     of: u64,
+    what: &'static str,
     bar: ProgressBar,
 }
 
 impl Patience {
-    fn new(of: u64) -> Self {
-        Self { began: Instant::now(), evaluated: 0, of, bar: ProgressBar::hidden() }
+    fn new(of: u64, what: &'static str) -> Self {
+        Self { began: Instant::now(), steps: 0, of, what, bar: ProgressBar::hidden() }
     }
 
-    fn evaluated(&mut self) {
-        self.evaluated = self.evaluated.saturating_add(1);
+    fn step(&mut self) {
+        self.steps = self.steps.saturating_add(1);
         if self.bar.is_hidden() && self.began.elapsed() > Duration::from_secs(1) {
             self.bar = ProgressBar::new(self.of);
-            let template = "{bar:30} {pos} of {len} evaluations, {eta} left";
-            if let Ok(style) = ProgressStyle::with_template(template) {
+            let template = format!("{{bar:30}} {{pos}} of {{len}} {}, {{eta}} left", self.what);
+            if let Ok(style) = ProgressStyle::with_template(&template) {
                 self.bar.set_style(style);
             }
         }
-        self.bar.set_position(self.evaluated);
+        self.bar.set_position(self.steps);
     }
 }

@@ -23,6 +23,7 @@ pub(super) fn print(made: &Made) -> io::Result<()> {
         let said = all.iter().map(|excess| words.excess(excess)).collect::<Vec<_>>();
         listed(heading, &said)?;
     }
+    explanations(made, &words)?;
     listed(&out::styled(out::BAD, "Violations"), &made.violations)?;
     out::line(format_args!("\n{}", verdict(made)))?;
     made.search.iter().try_for_each(|search| out::line(search.said()))
@@ -101,6 +102,16 @@ fn awake(made: &Made) -> io::Result<()> {
         format!("{} from {} for {long}", preheat.zone, words.time(preheat.start))
     });
     listed("Heated", &heated.collect::<Vec<_>>())
+}
+
+/// One line for each activity and each limit.
+fn explanations(made: &Made, words: &Words<'_>) -> io::Result<()> {
+    let lines = made.explanations.iter().flatten().flat_map(|(id, said)| {
+        let name = words.activity(*id);
+        said.iter().map(move |said| format!("{name}: {said}"))
+    });
+    let heading = "What would let them in at their turn, each by itself, and when they would start";
+    listed(heading, &lines.collect::<Vec<_>>())
 }
 
 fn listed(heading: &str, lines: &[String]) -> io::Result<()> {
