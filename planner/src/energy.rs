@@ -5,7 +5,7 @@
 //! at the capacity; what comes in beyond is lost.
 
 use crate::derive::var::{Reach, Var};
-use crate::derive::{Frame, OwnStep};
+use crate::derive::{Frame, Late, OwnStep};
 use crate::problem::{Draw, Problem};
 
 /// An instant, the charge then, and what is drawn from then on beside the
@@ -42,6 +42,9 @@ pub(crate) trait Watch {
 
     /// One that is empty at present.
     fn empty(&mut self, _from: Var, _to: Var, _reach: &mut Reach) {}
+
+    /// Something should have begun earlier than it can.
+    fn late(&mut self, _late: Late, _reach: &Reach) {}
 
     /// Whether nothing that follows matters.
     fn is_done(&self, _reach: &Reach) -> bool {

@@ -45,10 +45,7 @@ impl Rest<'_> {
         let mut look = Look::new(self.problem, self.world, optional, keep);
         let mut sweep = Sweep::new(self.problem, frame, reach, &mut look);
         sweep.run();
-        let (reach, late) = (sweep.reach, sweep.late);
-        if late.iter().any(|&late| !self.world.has(late)) {
-            look.breaks(i64::MAX, &reach);
-        }
+        let reach = sweep.reach;
         match look.broken_for() {
             Some(shift) => Verdict::Breaks(shift),
             None => Verdict::Fits(reach.get()),

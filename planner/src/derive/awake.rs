@@ -115,6 +115,11 @@ impl<'a, 'w, W: Watch> Sweep<'a, 'w, W> {
         if self.reach.le(a, b) { a } else { b }
     }
 
+    fn is_late(&mut self, late: Late) {
+        self.watch.late(late, &self.reach);
+        self.late.push(late);
+    }
+
     /// From the computer's present mode on.
     fn first(&mut self) -> Option<Up> {
         let computer = self.problem.computer;
@@ -187,7 +192,7 @@ impl<'a, 'w, W: Watch> Sweep<'a, 'w, W> {
             }
             if need.who != Who::Present && self.reach.lt(need.from, begun.up) {
                 let by = begun.up.at - need.from.at;
-                self.late.push(Late { at: need.from, who: need.who, by });
+                self.is_late(Late { at: need.from, who: need.who, by });
             }
             until = self.max(until, need.to);
         }
@@ -276,7 +281,7 @@ impl<'a, 'w, W: Watch> Sweep<'a, 'w, W> {
             until = self.wakeup_for(need);
             if first && self.reach.lt(until, cursor.at) {
                 let by = cursor.at.at - until.at;
-                self.late.push(Late { at: need.from, who: need.who, by });
+                self.is_late(Late { at: need.from, who: need.who, by });
                 let up = cursor.at.later(computer.wakeup_time);
                 let up = self.min(up, self.barrier(cursor.at));
                 return Wake::Up(Up { wakeup: cursor.at, up, counted: up });
@@ -286,7 +291,7 @@ impl<'a, 'w, W: Watch> Sweep<'a, 'w, W> {
             let Some(need) = need else { return Wake::Never };
             if first && self.reach.lt(until.minus(since), Var::fixed(computer.min_sleep)) {
                 let by = computer.min_sleep - (until.at - since.at);
-                self.late.push(Late { at: need.from, who: need.who, by });
+                self.is_late(Late { at: need.from, who: need.who, by });
             }
             let up = until.later(computer.wakeup_time);
             return Wake::Up(Up { wakeup: until, up, counted: up });
@@ -318,15 +323,14 @@ impl<'a, 'w, W: Watch> Sweep<'a, 'w, W> {
         }
         loop {
             let step = self.energy.next(&cursor, &mut self.reach);
-            let to = step.map_or(until, |step| self.min(step.at, until));
+            let step = step.map(|step| step.at).filter(|&at| self.reach.lt(at, until));
+            let to = step.unwrap_or(until);
             let net = self.energy.net(&cursor, Draw::default());
             let charge = cursor.charge.plus(to.minus(cursor.at).times(net));
             if net > 0 && self.reach.lt(max, charge) {
                 return Some(cursor.at.plus(max.minus(cursor.charge).divided(net)));
             }
-            if self.reach.le(until, to) {
-                return None;
-            }
+            step?;
             cursor = self.think(cursor, to, Draw::default());
         }
     }

@@ -3,8 +3,8 @@
 
 mod soft;
 
-use crate::derive::World;
 use crate::derive::var::{Reach, Var};
+use crate::derive::{Late, World};
 use crate::energy::{Segment, Watch};
 use crate::problem::Problem;
 
@@ -140,6 +140,12 @@ impl Watch for Look<'_> {
         self.peak(segment, reach);
         self.handover(segment, reach);
         self.soft(segment, reach);
+    }
+
+    fn late(&mut self, late: Late, reach: &Reach) {
+        if !self.world.has(late) {
+            self.breaks(i64::MAX, reach);
+        }
     }
 
     /// What is to be kept must still be kept in it, where it comes to last.

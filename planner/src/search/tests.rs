@@ -52,7 +52,7 @@ fn tries_every_start(pass: &Pass<'_>, item: usize, optional: bool) -> Result<(),
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2_000))]
+    #![proptest_config(ProptestConfig::with_cases(1_000))]
 
     /// The earliest start is what trying every millisecond finds, for each
     /// candidate beside what is placed before it.

@@ -5,7 +5,7 @@ use faregate_planner::plan::{Activity, Dependency, Kind, Outcome, Status};
 use faregate_planner::schedule;
 use faregate_planner::state::Ended;
 use faregate_planner::timed::{Limit, Reason};
-use faregate_planner::units::{Bytes, Span};
+use faregate_planner::units::{Bytes, Ppm, Span};
 
 use crate::rover::*;
 
@@ -83,6 +83,7 @@ fn a_zone_is_heated_before_its_use_for_as_long_as_the_time_of_day_asks() {
         let mut rover = rover(vec![arm]);
         // So little that no sleep before it ends at the maximum.
         rover.state.charge = watt_hours(50);
+        rover.parameters.soft_min_soc = Ppm::new(0);
         let timed = rover.timed();
         let heat = timed.preheats[0].clone();
         let up = awake(&timed).into_iter().find(|it| it[2] > from).unwrap()[1];
