@@ -68,7 +68,8 @@ pub struct RoverTruth {
     pub charge: Microjoules,
     /// What is drawn on average, beside the base load.
     pub load: Milliwatts,
-    /// The sum of what can be drawn at most, beside the base load.
+    /// The sum of what can be drawn at most by what was commanded, beside the
+    /// base load.
     pub peak: Milliwatts,
     /// Sequence engines in use.
     pub engines: u32,

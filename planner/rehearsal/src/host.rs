@@ -84,11 +84,13 @@ impl<'h, 'b, 'g> Host<'h, 'b, 'g> {
         };
         let senses = setup.senses;
         let lag = (senses.period.as_micros() + senses.lag.as_micros()) / 1_000;
+        let lag =
+            i64::try_from(lag).unwrap_or(i64::MAX).saturating_add(setup.script.silence().get());
         let trace = Trace {
             begin: state.now,
             end: plan.end,
             is_static: !setup.options.replans,
-            charge_lag: Span::new(i64::try_from(lag).unwrap_or(i64::MAX)),
+            charge_lag: Span::new(lag),
             charge_noise: senses.charge_noise,
             windows: state.windows.clone(),
             entries: Vec::new(),
@@ -128,6 +130,8 @@ impl<'h, 'b, 'g> Host<'h, 'b, 'g> {
             let next = self.next().ok_or(NotRehearsed::StandsStill)?;
             self.clock.advance_to(next);
         }
+        let truth = self.rover.truth();
+        self.note(Happened::Truth(crate::record::truth(&truth)));
         self.trace.end = self.now();
         self.trace.windows = self.known.clone();
         Ok(self.trace)
@@ -148,12 +152,23 @@ impl<'h, 'b, 'g> Host<'h, 'b, 'g> {
                 }
                 None => return Ok(()),
             };
+            if self.is_stale(&event) {
+                continue;
+            }
             let actions = self.control.step(self.now(), event);
             for action in actions {
                 self.perform(action, planner)?;
             }
         }
         Err(NotRehearsed::StandsStill)
+    }
+
+    /// A grant that was given back before anybody heard of it: what was asked for
+    /// since is another one.
+    fn is_stale(&self, event: &Event) -> bool {
+        let Event::Granted(id) = event else { return false };
+        let held = self.seats.get(id);
+        !held.is_some_and(|held| !held.started && held.seat.is_granted())
     }
 
     /// When something happens next: whole milliseconds, after now.

@@ -137,6 +137,17 @@ impl Script {
     }
 }
 
+impl Script {
+    /// How long the sensors say nothing new, in sum.
+    pub(crate) fn silence(&self) -> Span {
+        let silent = self.0.iter().filter_map(|mishap| match mishap {
+            Mishap::SensorsSilent { from, until } => Some(until.since(*from).get()),
+            _ => None,
+        });
+        Span::new(silent.sum())
+    }
+}
+
 fn later(at: Time, ms: u64) -> Time {
     at.after(Span::new(i64::try_from(ms).unwrap_or(0)))
 }

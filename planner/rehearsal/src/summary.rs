@@ -32,6 +32,8 @@ pub struct Summary {
     pub replans: u64,
     /// How long the computer was up.
     pub awake_ms: i64,
+    /// What was drawn beside the base load, in uJ.
+    pub drawn_uj: u64,
     /// What the battery held at the end, in uJ.
     pub charge_uj: u64,
 }
@@ -46,8 +48,9 @@ pub struct Won {
     pub earlier_ms: i64,
     /// How much less the computer was up.
     pub awake_ms: i64,
-    /// How much more the battery held at the end, in uJ.
-    pub charge_uj: i64,
+    /// How much less was drawn, in uJ. What the battery holds at the end says
+    /// less: one that is full sooner takes no more.
+    pub energy_uj: i64,
 }
 
 impl Summary {
@@ -66,6 +69,7 @@ impl Summary {
         }
         summary.replans = summary.replans.saturating_sub(1);
         summary.awake_ms = awake(trace).get();
+        summary.drawn_uj = drawn(trace);
         summary
     }
 
@@ -100,6 +104,7 @@ impl Summary {
         self.paused += other.paused;
         self.replans += other.replans;
         self.awake_ms = self.awake_ms.saturating_add(other.awake_ms);
+        self.drawn_uj = self.drawn_uj.saturating_add(other.drawn_uj);
         self.charge_uj = self.charge_uj.saturating_add(other.charge_uj);
     }
 }
@@ -116,7 +121,7 @@ impl Won {
             activities: signed(here.succeeded) - signed(there.succeeded),
             earlier_ms: earlier.sum(),
             awake_ms: there.awake_ms - here.awake_ms,
-            charge_uj: signed(here.charge_uj) - signed(there.charge_uj),
+            energy_uj: signed(there.drawn_uj) - signed(here.drawn_uj),
         }
     }
 }
@@ -127,6 +132,22 @@ fn successes(trace: &Trace) -> BTreeMap<ActivityId, Time> {
         _ => None,
     });
     ended.collect()
+}
+
+/// Loads are constant from one entry about the truth to the next.
+fn drawn(trace: &Trace) -> u64 {
+    let truths = trace.entries.iter().filter_map(|entry| match entry.what {
+        Happened::Truth(truth) => Some((entry.at, truth.load.get())),
+        _ => None,
+    });
+    let (mut drawn, mut before) = (0_u64, None);
+    for (at, load) in truths {
+        if let Some((since, load)) = before.replace((at, load)) {
+            let ms = u64::try_from(at.since(since).get()).unwrap_or(0);
+            drawn = drawn.saturating_add(ms.saturating_mul(load));
+        }
+    }
+    drawn
 }
 
 /// How long the computer was up.

@@ -12,7 +12,7 @@ use faregate_planner::state::{Mode, State, Window};
 use faregate_planner::trace::{Cause, Happened, Trace, Why};
 use faregate_planner::units::{Bytes, Ppm, Span, Time};
 use faregate_planner::{Activity, ActivityId, Parameters, Plan, Problem, TimedPlan, schedule};
-use faregate_rehearsal::{Draw, Draws, Mishap, Script, Setup, Summary, Won, rehearse};
+use faregate_rehearsal::{Draw, Draws, Mishap, Odds, Script, Setup, Summary, Won, rehearse};
 use faregate_tickets::amount::{Microjoules, Milliwatts};
 
 fn planner(
@@ -60,7 +60,7 @@ fn parameters() -> Parameters {
         hard_min_soc: Ppm::new(150_000),
         max_soc: Ppm::new(950_000),
         peak_limit: Milliwatts::from_watts(300),
-        engines: 3,
+        engines: 8,
         rtg: Milliwatts::from_watts(110),
         base: Milliwatts::from_watts(50),
         awake: load(80),
@@ -151,7 +151,7 @@ fn what_ends_early_pulls_the_next_ones_in_and_the_plan_as_it_stands_does_not() {
     }
     assert!(started(&here, 5) < started(&there, 5));
     let won = Won::between(&ours.plan, &here, &there);
-    assert!(won.earlier_ms > 0 && won.awake_ms > 0 && won.charge_uj > 0, "{won:?}");
+    assert!(won.earlier_ms > 0 && won.awake_ms > 0 && won.energy_uj > 0, "{won:?}");
     let summary = Summary::of(&ours.plan, &here);
     assert!(summary.early_starts > 0 && summary.replans > 0, "{summary:?}");
 }
@@ -273,4 +273,26 @@ fn every_activity_has_one_fate() {
         }
     }
     assert_eq!(fates, (1..8).map(|number| (id(number), 1)).collect());
+}
+
+#[test]
+fn bad_days_break_no_rule() {
+    let mut activities: Vec<_> = (1..9).map(activity).collect();
+    for (number, one) in (1..).zip(&mut activities) {
+        one.pausable = number % 3 == 0;
+        one.priority = if number % 2 == 0 { 50 } else { 150 };
+        one.resources = if number < 5 { BIT } else { Categories::NONE };
+        one.starts[0].cutoff = min(if number == 1 { 45 } else { 400 });
+    }
+    let plain = setup(activities);
+    let mut sum = Summary::default();
+    for seed in 0..4 {
+        let mut setup =
+            Setup::new(plain.plan.clone(), plain.parameters.clone(), plain.state.clone(), seed);
+        setup.draws = Draws::new(&setup.plan, seed, &Odds::HARSH);
+        setup.script = Script::drawn(&setup.plan, &setup.parameters, &setup.state, seed);
+        sum.add(&Summary::of(&setup.plan, &executed(&setup)));
+    }
+    let aborted: u64 = sum.aborted.values().sum();
+    assert!(aborted > 0 && sum.early_starts > 0 && sum.failed > 0, "{sum:?}");
 }

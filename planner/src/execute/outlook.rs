@@ -12,9 +12,9 @@ use std::collections::BTreeMap;
 
 use crate::parameters::Parameters;
 use crate::plan::{Activity, ActivityId, Plan};
-use crate::state::State;
+use crate::state::{Running, State};
 use crate::timed::{Limit, Slot, TimedPlan};
-use crate::units::Bytes;
+use crate::units::{Bytes, Span, Time};
 
 use claims::Claim;
 
@@ -77,9 +77,7 @@ impl<'a> Outlook<'a> {
         let now = self.state.now;
         let windows = self.state.windows.iter().filter(|w| w.end > now).map(Claim::of_window);
         let running = self.state.running.iter().filter_map(|running| {
-            // One that runs too long is looked at again at once.
-            let end = running.ends.max(now);
-            let slot = Slot { start: running.started, end, range: 0 };
+            let slot = Slot { start: running.started, end: self.likely_end(running), range: 0 };
             Some(Claim::of(self.activity(running.id)?, slot))
         });
         let matters = |other: &Activity| early || other.priority > activity.priority;
@@ -93,6 +91,18 @@ impl<'a> Outlook<'a> {
         let heating = heating.filter(|one| one.end > now && !for_it(&one.zone));
         let heating = heating.filter_map(|heating| Claim::of_heating(heating, self.parameters));
         windows.chain(running).chain(planned).chain(heating).collect()
+    }
+
+    /// One that runs too long is taken to run on until it is looked at again; a
+    /// little too long is what its successor waits for at the agents.
+    fn likely_end(&self, running: &Running) -> Time {
+        let now = self.state.now;
+        let paused = running.paused.map_or(Span::ZERO, |since| now.since(since));
+        let ends = running.ends.after(paused);
+        if ends > now || now.since(ends) <= self.parameters.handover_tolerance {
+            return ends.max(now);
+        }
+        now.after(Span::new(self.parameters.commit.get().max(1_000)))
     }
 
     /// Whether the computer is planned to be up all the time.

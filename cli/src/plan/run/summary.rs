@@ -69,20 +69,23 @@ pub(super) fn table(here: &Summary, there: Option<&Summary>) -> io::Result<()> {
     row("new plans".into(), &|one| one.replans.to_string());
     let each = |one: &Summary| i64::try_from(one.executions.max(1)).unwrap_or(1);
     row("computer up".into(), &|one| minutes(one.awake_ms / each(one)));
+    row("drawn beside the base load".into(), &|one| {
+        energy(charge(one.drawn_uj / one.executions.max(1)))
+    });
     row("charge at the end".into(), &|one| energy(charge(one.charge_uj / one.executions.max(1))));
     out::line(table)
 }
 
 fn said(won: &Won) -> String {
     let less = if won.awake_ms < 0 { "longer" } else { "shorter" };
-    let more = if won.charge_uj < 0 { "less" } else { "more" };
+    let less_drawn = if won.energy_uj < 0 { "more" } else { "less" };
     format!(
         "against the plan as it stood: {:+} activities; {} earlier in sum; \
-         computer up {} {less}; {} {more} at the end",
+         computer up {} {less}; {} {less_drawn} drawn",
         won.activities,
         minutes(won.earlier_ms),
         minutes(won.awake_ms.abs()),
-        energy(won.charge_uj.saturating_abs()),
+        energy(won.energy_uj.saturating_abs()),
     )
 }
 

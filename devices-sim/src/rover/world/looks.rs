@@ -68,7 +68,7 @@ impl World {
         self.model.base.saturating_add(self.loads().0)
     }
 
-    /// Average and largest draw beside the base load.
+    /// Average draw beside the base load, and the largest of what was commanded.
     fn loads(&self) -> (Milliwatts, Milliwatts) {
         let computer = &self.model.computer;
         let of_computer = match self.mode {
@@ -87,8 +87,8 @@ impl World {
         let (average, peak) = windows.chain(heaters).chain(runs).fold(of_computer, |sum, load| {
             (sum.0.saturating_add(load.0), sum.1.saturating_add(load.1))
         });
-        let drain = self.script.drain(self.now);
-        (average.saturating_add(drain), peak.saturating_add(drain))
+        // What nobody commanded is in no sum of what may be commanded.
+        (average.saturating_add(self.script.drain(self.now)), peak)
     }
 }
 

@@ -34,6 +34,11 @@ impl Seat<'_, '_> {
         self.ticket.check()
     }
 
+    /// Whether it was granted, as far as was looked, and still is.
+    pub(crate) fn is_granted(&self) -> bool {
+        matches!(self.state, SeatState::Granted(_)) && self.check().is_ok()
+    }
+
     /// Looks again. What was taken and came back in between was taken first:
     /// that it came back is found at the next look.
     pub(crate) fn turn(&mut self) -> Option<Turn> {
