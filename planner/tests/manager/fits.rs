@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use faregate_planner::timed::Fate;
+
 use faregate_planner::tasks::{Disagreement, Misfit, mission_fits, tasks};
 use faregate_planner::{Problem, schedule};
 use faregate_tickets::amount::Milliwatts;
@@ -67,4 +69,35 @@ fn what_cannot_become_a_task_is_told_all_at_once() {
     assert!(matches!(of(2), Some(Misfit::Sequence(_, name)) if name == "unheard_of"));
     assert!(matches!(of(3), Some(Misfit::Gate(_, gate)) if gate == "mast_camera"));
     assert!(matches!(of(4), Some(Misfit::Peak(_, 1_000))), "{wrong:?}");
+}
+
+#[test]
+fn an_activity_comes_after_the_task_that_heats_its_zone_and_after_its_priors() {
+    let (setting, state) = (setting(), state());
+    let problem = Problem::new(&setting.plan, &setting.parameters, &state).unwrap();
+    let timed = schedule(&problem, None);
+    let tasks = tasks(&setting, &state.windows, &timed, state.now).unwrap();
+    let find = |number: u32| tasks.iter().find(|task| task.id.get() == number);
+    let mut heated = 0;
+    for heating in &timed.preheats {
+        for (activity, row) in setting.plan.activities.iter().zip(&timed.rows) {
+            let Fate::Scheduled(slot) = row.fate else { continue };
+            if slot.start != heating.end || !activity.zones.contains(&heating.zone) {
+                continue;
+            }
+            let after = &find(activity.id.get()).unwrap().after;
+            let priors: Vec<_> = after.iter().filter_map(|on| find(on.task.get())).collect();
+            let name = format!("heat {}", heating.zone);
+            assert!(priors.iter().any(|prior| prior.name.as_deref() == Some(&name)), "{name}");
+            heated += 1;
+        }
+    }
+    assert!(heated >= 4, "{heated}");
+    let drive = find(4).unwrap().after.iter().map(|on| on.task.get()).collect::<Vec<_>>();
+    assert_eq!(drive[..2], [2, 3]);
+    // No optional one is as important as a mandatory one.
+    let activities = tasks.iter().filter(|task| task.id.get() <= 31);
+    let (mandatory, optional): (Vec<_>, Vec<_>) = activities.partition(|task| task.mandatory);
+    let least = mandatory.iter().map(|task| task.priority.level()).min();
+    assert!(optional.iter().all(|task| Some(task.priority.level()) < least));
 }

@@ -4,6 +4,8 @@
 
 mod fits;
 #[cfg(target_os = "linux")]
+mod lamps;
+#[cfg(target_os = "linux")]
 mod onboard;
 mod sol;
 mod stage;

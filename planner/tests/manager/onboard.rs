@@ -2,10 +2,10 @@
 //! lamps, and spans of tenths of a second. Only orders are judged: a host may be
 //! as slow as it likes.
 
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::SeqCst};
+use std::sync::atomic::Ordering::SeqCst;
 use std::sync::{Arc, Mutex};
 
-use faregate_agents::{Categories, Supervisor};
+use faregate_agents::Supervisor;
 use faregate_planner::parameters::Day;
 use faregate_planner::plan::{Activity, Dependency, Outcome, StartRange, Status};
 use faregate_planner::state::Mode;
@@ -13,84 +13,26 @@ use faregate_planner::tasks::{Director, Epoch, Library, Setting};
 use faregate_planner::units::{Bytes, Ppm, Span, Time};
 use faregate_planner::{Parameters, Plan, State};
 use faregate_runtime::Broker;
+use faregate_scheduler::Onboard;
 use faregate_scheduler::executive::{Correspondent, LoadedFile, Outside, Watched};
 use faregate_scheduler::manager::{
     Attempt, Event, Manager, Note, Reply, Telecommand, TelecommandId,
 };
-use faregate_scheduler::mission::DeviceSpec;
 use faregate_scheduler::task::Step;
 use faregate_scheduler::tickets::{Commander, Named};
 use faregate_scheduler::time::{Duration, Now};
-use faregate_scheduler::{Mission, Onboard};
-use faregate_tickets::Device;
 use faregate_tickets::amount::{Microjoules, Milliwatts};
 use faregate_tickets::clock::Clock;
-use faregate_tickets::device::{Declaration, Effect, Estimate, Power, Profile};
+use faregate_tickets::device::{Estimate, Power};
 use faregate_tickets::id::Priority;
 
+use crate::lamps::{LAMP, LAMPS, Lamp, Truth, mission};
 use crate::stage::{id, task_id};
 
-const LAMP: Milliwatts = Milliwatts::from_watts(8);
 /// Sensors are read, and notes are heard, at least this often.
 const ROUND: Duration = Duration::from_millis(5);
 /// A host that is this slow is broken.
 const GIVE_UP: Duration = Duration::from_secs(60);
-
-#[derive(Debug, Default)]
-struct Truth {
-    on: AtomicBool,
-    commands: AtomicUsize,
-}
-
-struct Lamp(Arc<Truth>);
-
-impl Device for Lamp {
-    type Command = bool;
-    type Response = ();
-    type Fault = &'static str;
-
-    fn profile(&self) -> Profile {
-        let mut profile = Profile::new().drawing(LAMP);
-        profile.longest_command = Duration::from_secs(20);
-        profile.longest_safing = Duration::from_secs(20);
-        profile.estimate_lag = Duration::from_secs(5);
-        profile
-    }
-    fn declare(on: &bool) -> Declaration {
-        let effect = if *on { Effect::on(LAMP) } else { Effect::Off };
-        Declaration { code: (*on).into(), wcet: Duration::from_secs(20), effect }
-    }
-    fn issue(&mut self, on: bool) -> Result<(), &'static str> {
-        self.0.on.store(on, SeqCst);
-        self.0.commands.fetch_add(1, SeqCst);
-        Ok(())
-    }
-    fn safe(&mut self) -> Result<(), &'static str> {
-        self.0.on.store(false, SeqCst);
-        Ok(())
-    }
-}
-
-const LAMPS: [&str; 2] = ["floodlight", "beacon"];
-
-fn mission() -> Mission {
-    let mut mission = Mission::default();
-    mission.agents[0].supply = Some(Milliwatts::from_watts(42));
-    mission.categories = [("engine 1".to_owned(), 64), ("engine 2".to_owned(), 65)].into();
-    mission.devices = LAMPS.map(device).to_vec();
-    mission
-}
-
-fn device(name: &str) -> DeviceSpec {
-    DeviceSpec {
-        name: name.into(),
-        kind: "lamp".into(),
-        agent: "tasks".into(),
-        draw: Some(LAMP),
-        categories: Categories::NONE,
-        parameters: Default::default(),
-    }
-}
 
 fn step(at: u64, gate: &str, command: &str) -> Step {
     Step {

@@ -208,3 +208,15 @@ fn windows_that_change_are_planned_around_at_once() {
     assert!(stage.plans.iter().any(|(at, _)| *at == clock(11, 0)));
     assert_eq!(stage.starts_of_task("window afternoon relay"), [clock(15, 0)]);
 }
+
+/// Nothing ended early: that it failed is reason enough.
+#[test]
+fn a_failure_at_the_planned_end_is_planned_around_at_once() {
+    let fates = Fates::from([(2, ends_after(8, Exit::Failed("no image".into())))]);
+    let mut stage = Stage::new(fates);
+    stage.until(clock(10, 10));
+    assert_eq!(outcome(&stage, 2), Some(Outcome::Failed));
+    let (at, timed) = stage.plans.last().unwrap();
+    assert_eq!(*at, clock(10, 8));
+    assert_eq!(timed.slot(id(4)), None, "the drive needs the images of hazards");
+}
