@@ -64,6 +64,22 @@ fn what_starts_at_the_horizon_is_beyond_it_and_what_ends_there_is_not() {
     assert_eq!(segments(&analysis, 1), [[(0, 10)]]);
 }
 
+/// Its latest start lies so far back that whoever looks at each occurrence of
+/// it never comes to an end.
+#[test]
+fn occurrences_that_were_over_long_ago_are_counted() {
+    let mut late = every(task(1, 1, 1, 2), 1);
+    late.windows[0].closes = When::At(UnixTime::from_secs(5));
+    let at = UnixTime::from_secs(1_700_000_000);
+    let options = Options { at, horizon: Some(s(3)), ..Options::default() };
+    let analysis = analyze(&[late], &Mission::default(), &options).unwrap();
+    let [problem] = &analysis.problems[..] else { panic!("{:?}", analysis.problems) };
+    assert_eq!(problem.kind, ProblemKind::Missed);
+    assert_eq!(problem.message, "task 1 misses 1699999997 occurrences: its window closed");
+    let shown = &analysis.tasks[0].more;
+    assert!(shown.misses.len() < 10 && shown.windows.len() < 10, "{}", shown.misses.len());
+}
+
 #[test]
 fn a_run_that_is_cut_short_by_the_horizon_has_no_end() {
     let analysis = analysis(&[task(1, 50, 1, 2)], &Mission::default(), 30);

@@ -117,7 +117,7 @@ fn missed(track: &Track) -> Option<Problem> {
     let first = *track.misses.first()?;
     let why = track.missed_because.as_deref().unwrap_or("its window closed");
     let id = track.task.id;
-    let message = match track.misses.len() {
+    let message = match track.missed {
         1 => format!("{id} misses an occurrence: {why}"),
         count => format!("{id} misses {count} occurrences: {why}"),
     };

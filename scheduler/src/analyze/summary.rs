@@ -41,7 +41,9 @@ impl Track {
     /// Those that close: one that stays open is no window to look at.
     fn windows_that_were_seen(&self, horizon: Duration) -> Vec<(Duration, Option<Duration>)> {
         let last = self.seen.unwrap_or(self.first);
-        let all = (self.first..=last).flat_map(|occurrence| self.windows(occurrence));
+        let opens = |occurrence: &u64| self.windows(*occurrence).any(|(opens, _)| opens < horizon);
+        let seen = (self.first..=last).take_while(opens);
+        let all = seen.flat_map(|occurrence| self.windows(occurrence));
         all.filter(|(opens, closes)| closes.is_some() && *opens < horizon).collect()
     }
 

@@ -1,5 +1,6 @@
 //! What became of one task, from what the manager told of it.
 
+use crate::analyze::MOST_RUNS;
 use crate::analyze::phase::{self, Offset, base, first_number, from_load};
 use crate::analyze::report::{Run, RunOutcome};
 use crate::manager::{Attempt, WaitsFor};
@@ -19,6 +20,8 @@ pub(super) struct Track {
     pub(super) runs: Vec<Run>,
     pub(super) waits: Vec<(Duration, Duration)>,
     pub(super) misses: Vec<Duration>,
+    /// How many there were, shown or not.
+    pub(super) missed: u64,
     pub(super) missed_because: Option<String>,
     pub(super) pauses: Duration,
     /// For what it waited, and for how long.
@@ -46,6 +49,7 @@ impl Track {
             runs: Vec::new(),
             waits: Vec::new(),
             misses: Vec::new(),
+            missed: 0,
             missed_because: None,
             pauses: Duration::ZERO,
             reasons: Vec::new(),
@@ -199,7 +203,13 @@ impl Track {
         self.settle_reason(now);
         self.missed_because.get_or_insert_with(|| why.to_owned());
         let again = self.since.filter(|_| self.seen == Some(first));
-        for occurrence in first..=last {
+        let lost = last.saturating_sub(first).saturating_add(1);
+        self.missed = self.missed.saturating_add(lost);
+        for occurrence in (first..=last).take(MOST_RUNS) {
+            // What was lost before its time is shown once.
+            if occurrence > first && self.due(occurrence) > now {
+                break;
+            }
             let due = again.filter(|_| occurrence == first).unwrap_or(self.due(occurrence));
             let until = self.lost_at(occurrence, now).max(due);
             if due < until {
