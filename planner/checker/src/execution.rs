@@ -34,7 +34,7 @@ pub fn check_trace(plan: &Plan, parameters: &Parameters, trace: &Trace) -> Vec<V
     all.extend(charge::check(plan, parameters, trace));
     all.extend(aborts::check(parameters, trace));
     all.extend(plans::check(plan, parameters, trace));
-    all.sort_by_key(|one| (one.at, one.rule));
+    all.sort_by_key(|violation| (violation.at, violation.rule));
     all
 }
 

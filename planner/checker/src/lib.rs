@@ -89,7 +89,7 @@ pub fn check(
     if effort.grid > 0 {
         all.extend(sleep::check(&given, effort));
     }
-    all.sort_by_key(|one| (one.at, one.rule));
+    all.sort_by_key(|violation| (violation.at, violation.rule));
     all
 }
 
