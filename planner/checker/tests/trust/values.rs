@@ -1,7 +1,7 @@
 //! Whole days, thousands of them: no rule is broken, and the plan is worth more
 //! than a naive one, and not much less than the best there is.
 
-use faregate_checker::{Effort, check, naive, optimum};
+use faregate_checker::{Effort, Rule, check, naive, optimum};
 use faregate_planner::generate::Shape;
 use faregate_planner::timed::TimedPlan;
 
@@ -26,8 +26,10 @@ fn days_keep_every_rule_and_are_worth_more_than_naive_ones() {
         assert_eq!(wrong, [""; 0], "seed {seed}: {}", told(&world, &timed));
 
         let World { plan, parameters, state } = &world;
-        let peer = naive(plan, parameters, state, 600_000);
-        let said = check(plan, parameters, state, None, &peer, Effort { grid: 0 });
+        let peer = naive(plan, parameters, state, 10 * DAY.unit);
+        let mut said = check(plan, parameters, state, None, &peer, Effort { grid: 0 });
+        // It gives up before it has seen every start, so it cannot say why.
+        said.retain(|violation| violation.rule != Rule::Reason);
         assert_eq!(said, [], "the naive one, seed {seed}: {}", told(&world, &peer));
         let (better, worse) = (value(&world, &timed), value(&world, &peer));
         (ours, theirs, lower) = (ours + better, theirs + worse, lower + u64::from(better < worse));
