@@ -75,14 +75,14 @@ fn drive(executive: &mut Onboard<Ground>, listens: bool) -> Result<(), Failure> 
     loop {
         // The first turn may have been taken by the load.
         look(executive, &mut loads);
-        if executive.turn().map_err(cannot_go_on)? {
-            continue;
-        }
+        // Asked after each turn: something may be due all the time.
         let stopping = executive.outside().stopping;
         if executive.manager().is_over() && (stopping || !listens) {
             return Ok(());
         }
-        executive.wait().map_err(cannot_go_on)?;
+        if !executive.turn().map_err(cannot_go_on)? {
+            executive.wait().map_err(cannot_go_on)?;
+        }
     }
 }
 

@@ -159,12 +159,14 @@ where
         mut is_over: impl FnMut(&Manager, Now) -> bool,
     ) -> io::Result<()> {
         loop {
-            while self.turn()? {}
+            let went_on = self.turn()?;
             let now = self.clock.now();
             if now.elapsed >= end || is_over(self.driver.manager(), now) {
                 return Ok(());
             }
-            self.wait_until(end)?;
+            if !went_on {
+                self.wait_until(end)?;
+            }
         }
     }
 
