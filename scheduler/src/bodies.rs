@@ -36,6 +36,8 @@
 //!   cleaned its environment outlives the [`sweep`].
 //! - One that hides like that from a living manager is not told apart by task: it
 //!   is killed as soon as any task is paused or ends.
+//! - One that has left its session *and* bears the mark of another manager in its
+//!   environment is taken for that one's.
 //!
 //! # The parts
 //!

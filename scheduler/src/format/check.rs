@@ -10,6 +10,7 @@ use crate::format::diagnostic::Rule;
 use crate::format::draft::Draft;
 use crate::format::policy;
 use crate::format::wrong::{Report, Wrong};
+use crate::manager::limits::SHORTEST_INTERVAL;
 use crate::mission::Mission;
 use crate::task::{Overrun, Restart, Task, When, Window};
 
@@ -56,6 +57,13 @@ fn task(draft: &Draft, report: &mut Report<'_>) {
     if draft.good([draft.body, "type", "preempt"]) {
         let suits = policy::suits(&task.body, task.preemption);
         report.take(draft.span("preempt"), "preempt", suits);
+    }
+    if draft.good(["interval"])
+        && task.interval.is_some_and(|interval| interval < SHORTEST_INTERVAL)
+    {
+        let wrong = Wrong::new(Rule::Range, "no task can come round so often")
+            .expected("0 for a task that runs once, or at least 1 ms");
+        report.error(draft.span("interval"), "interval", wrong);
     }
     if draft.good(["restart", "overrun", "interval"]) {
         restart(draft, report);

@@ -26,6 +26,10 @@ pub const ARMED_AHEAD: Duration = Duration::from_millis(50);
 /// to end one takes time.
 pub const LATENESS: Duration = Duration::from_millis(100);
 
+/// How often a routine task can come round at most. A host that does nothing
+/// else could not keep up with much less.
+pub const SHORTEST_INTERVAL: Duration = Duration::from_millis(1);
+
 /// How long a body that declares no grace has between being told to end and
 /// being killed: what a checkpoint or a kill may take where the schedule does
 /// not say, and what a body has that is aborted and has no such policy.

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use faregate_agents::Categories;
-use faregate_scheduler::manager::limits::GRACE;
+use faregate_scheduler::manager::limits::{GRACE, SHORTEST_INTERVAL};
 use faregate_scheduler::task::{
     Body, BuiltIn, CheckpointSignal, Dependency, Overrun, Preemption, Restart, Spread, Status,
     Step, TaskPriority, When, Window,
@@ -145,7 +145,7 @@ fn times(task: Task) -> impl Strategy<Value = Task> {
                 shortest: dur.saturating_sub(Duration::from_micros(less)),
                 longest: dur.saturating_add(Duration::from_micros(more)),
             });
-            task.interval = interval.filter(|interval| !interval.is_zero());
+            task.interval = interval.filter(|interval| *interval >= SHORTEST_INTERVAL);
             (task.windows, task.duration, task.gap) = (windows, dur, gap);
             task
         },

@@ -73,6 +73,13 @@ fn functions_are_paused_by_nobody() {
 }
 
 #[test]
+fn no_task_comes_round_more_often_than_each_millisecond() {
+    let text = row("1,0,0,3,1,1,0,0.001,true\n2,0,0,3,1,1,0,0.000999,true");
+    let found = format::read("a.csv", text.as_bytes()).unwrap_err();
+    assert_eq!(told(&found), [(3, 15, Rule::Range)]);
+}
+
+#[test]
 fn equal_numbers_conflict_in_files_of_2018() {
     let text = "1 0 0 3 0 1 0 0 true\n2 0 0 3 3 1 0 0 true\n3 0 0 3 128 1 0 0 true\n";
     let options = Options { conflict: Conflict::Number, ..Options::default() };
