@@ -52,7 +52,8 @@ pub(crate) const LAMPS: [&str; 2] = ["floodlight", "beacon"];
 
 /// Two lamps, two engines, 42 W.
 pub(crate) fn mission() -> Mission {
-    let mut mission = Mission::default();
+    // A host that is slow does not lose its tickets for it.
+    let mut mission = Mission { lease: Duration::from_secs(60), ..Mission::default() };
     mission.agents[0].supply = Some(Milliwatts::from_watts(42));
     mission.categories = [("engine 1".to_owned(), 64), ("engine 2".to_owned(), 65)].into();
     mission.devices = LAMPS.map(device).to_vec();
