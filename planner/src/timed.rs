@@ -12,7 +12,7 @@ pub struct TimedPlan {
     pub rows: Vec<Row>,
     /// When the computer is up, in order.
     pub awake: Vec<AwakePhase>,
-    /// What is heated, in order of start.
+    /// What is heated, in order of start, then of the zone's name.
     pub preheats: Vec<Preheat>,
     /// Limits that mandatory activities exceed because they may.
     pub excess: Vec<Excess>,

@@ -1,6 +1,10 @@
 //! When the computer is up, derived from what needs it: from left to right, as
 //! one would with a pencil.
 
+use core::fmt::{self, Display, Formatter};
+
+use faregate_planner::units::Time;
+
 use crate::flow::Flow;
 use crate::needs::components;
 
@@ -43,6 +47,14 @@ pub(crate) struct Phase {
     pub(crate) up: i64,
     pub(crate) down: i64,
     pub(crate) asleep: i64,
+}
+
+impl Display for Phase {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let [wakeup, up, down, asleep] =
+            [self.wakeup, self.up, self.down, self.asleep].map(Time::new);
+        write!(f, "waking up at {wakeup}, awake from {up} to {down}, asleep at {asleep}")
+    }
 }
 
 /// The time left for a wakeup or a sleep is too short.

@@ -1,6 +1,8 @@
 //! What is generated: awake phases, sleeps, heating. Looked at as it is given,
 //! rule by rule; then once more against what the rules generate.
 
+use core::fmt::Display;
+
 use crate::computer::{Begin, Phase, Rules};
 use crate::given::Given;
 use crate::violation::{Rule, Violation};
@@ -146,7 +148,7 @@ fn generated(given: &Given<'_>) -> Vec<Violation> {
     let phase = first_difference(&world.phases, &derived.phases);
     let phase = phase.map(|(found, wanted)| {
         let at = found.or(wanted).map_or(0, |phase| phase.wakeup);
-        let detail = format!("awake {found:?}, the rules give {wanted:?}");
+        let detail = differ(found, wanted);
         Violation::new(Rule::Generated, None, at).detail(detail)
     });
     let heating = first_difference(&world.heatings, &derived.heatings).map(|(found, wanted)| {
@@ -157,10 +159,16 @@ fn generated(given: &Given<'_>) -> Vec<Violation> {
         };
         let rule = if short { Rule::Heating } else { Rule::HeatedTwice };
         let at = wanted.as_ref().or(found.as_ref()).map_or(0, |heating| heating.start);
-        let detail = format!("{found:?}, the rules give {wanted:?}");
+        let detail = differ(found, wanted);
         Violation::new(rule, None, at).detail(detail)
     });
     phase.into_iter().chain(heating).collect()
+}
+
+/// What the plan has, and what it should have.
+fn differ<T: Display>(found: Option<T>, wanted: Option<T>) -> String {
+    let say = |one: Option<T>| one.map_or_else(|| "nothing".into(), |one| one.to_string());
+    format!("the plan has {}, the rules give {}", say(found), say(wanted))
 }
 
 fn first_difference<T: Clone + PartialEq>(a: &[T], b: &[T]) -> Option<(Option<T>, Option<T>)> {

@@ -1,5 +1,9 @@
 //! What is heated, derived from the uses of zones.
 
+use core::fmt::{self, Display, Formatter};
+
+use faregate_planner::units::Time;
+
 use crate::scene::{How, Placed, Scene, zones};
 
 /// A zone is heated over [start, end).
@@ -8,6 +12,13 @@ pub(crate) struct Heating<'a> {
     pub(crate) zone: &'a str,
     pub(crate) start: i64,
     pub(crate) end: i64,
+}
+
+impl Display for Heating<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let [start, end] = [self.start, self.end].map(Time::new);
+        write!(f, "{} heated from {start} to {end}", self.zone)
+    }
 }
 
 /// Heating that would have had to begin before now.

@@ -38,7 +38,7 @@ impl Pass<'_> {
                 all.push(Preheat { zone: zone.name.clone(), start, end });
             }
         }
-        all.sort_by_key(|heat| heat.start);
+        all.sort_by(|a: &Preheat, b| (a.start, &a.zone).cmp(&(b.start, &b.zone)));
         all
     }
 }
