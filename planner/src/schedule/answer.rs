@@ -75,6 +75,10 @@ pub(super) fn unavoidable(pass: &Pass<'_>) -> Vec<Excess> {
     is(Limit::Data, data.map(|(at, _)| at.get()), data.map_or(0, |(_, total)| total - max));
     let peak = pass.world.pieces.iter().find(|piece| piece.peak > problem.peak_limit);
     is(Limit::Peak, peak.map(|it| it.from), peak.map_or(0, |it| it.peak - problem.peak_limit));
+    let engines = pass.timelines.engines();
+    let most = i64::from(problem.parameters.engines);
+    let past = engines.points.iter().find(|(at, used)| at.get() >= problem.now && *used > most);
+    is(Limit::Engines, past.map(|(at, _)| at.get()), past.map_or(0, |(_, used)| used - most));
     all
 }
 
