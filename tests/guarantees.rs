@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-const GUARANTEES: [&str; 21] = [
+const GUARANTEES: [&str; 23] = [
     "No Bypass",
     "Open Door",
     "Closed Door",
@@ -25,6 +25,10 @@ const GUARANTEES: [&str; 21] = [
     "Foretold",
     "At Most Once",
     "Shut Entrance",
+    // The planner's.
+    "Limits Kept",
+    "No Activity Without Tickets",
+    // Of all that reads files.
     "All Mistakes At Once",
 ];
 
