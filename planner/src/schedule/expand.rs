@@ -58,7 +58,9 @@ impl Pass<'_> {
     /// What bits, engines, data and named timelines leave.
     fn last_on_timelines(&self, item: usize, slot: Slot, last: i64) -> i64 {
         let fits = |end: i64| {
-            let claim = claim(self.problem, item, Span::new(end - slot.start.get()));
+            let mut claim = claim(self.problem, item, Span::new(end - slot.start.get()));
+            // It makes no more data the longer it runs.
+            claim.limited = false;
             let within = (slot.start, slot.start);
             !self.timelines.valid_starts(&claim, within).is_empty()
         };
