@@ -83,7 +83,7 @@ impl<W: Watch> Sweep<'_, '_, W> {
         if let Some(step) = self.energy.next(&now.asleep, &mut self.reach) {
             next = self.min(next, step.at.later(-computer.shutdown_time));
         }
-        let cut = self.end().later(-computer.shutdown_time - computer.min_sleep);
+        let cut = self.end().later(-computer.shutdown_time - computer.min_sleep.max(1));
         if self.reach.lt(now.down.at, cut) {
             next = self.min(next, cut);
         }

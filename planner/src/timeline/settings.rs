@@ -135,7 +135,7 @@ impl Settings {
         let theirs = self.sets.range((after, last)).next().map(|(key, _)| key.0);
         let mine = keys(setter, start).map(|(key, _)| key).filter(|&other| other > key).min();
         let mine = mine.map(|key| key.0);
-        theirs.into_iter().chain(mine).min().unwrap_or(self.end)
+        theirs.into_iter().chain(mine).fold(self.end, i64::min)
     }
 
     /// The value that would hold without what is set at `key`.
