@@ -18,7 +18,7 @@
 //! let wrong = file::read("sol7.xml", text.as_bytes(), None).unwrap_err();
 //! let places: Vec<_> = wrong.iter().filter(|one| one.is_error())
 //!     .map(|one| (one.place.line, one.place.column)).collect();
-//! assert_eq!(places, [(3, 67), (4, 29)]);
+//! assert_eq!(places, [(3, 63), (4, 29)]);
 //! ```
 //!
 //! `docs/plan-format.md` is the reference.
