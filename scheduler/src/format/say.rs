@@ -59,6 +59,7 @@ mod tests {
         assert_eq!(duration("1.5"), duration("1500ms"));
         assert_eq!(when("+20min"), Ok(When::AfterLoad(Duration::from_secs(1_200))));
         assert_eq!(size("3MiB"), Ok(3 << 20));
+        assert!(size("18446744073709.55161555161815").unwrap_err().contains("18 digits"));
         assert_eq!(words("sleep '3 4'"), Ok(vec!["sleep".into(), "3 4".into()]));
         let wrong = duration("-5s").unwrap_err();
         assert!(wrong.contains("negative") && wrong.contains("expected seconds"), "{wrong}");

@@ -168,6 +168,14 @@ pub(crate) fn size(value: &DeValue<'_>) -> Result<u64, Wrong> {
 
 /// The same as a string.
 pub(crate) fn size_of(text: &str) -> Result<u64, Wrong> {
+    if let Ok(bytes) = scalar::bytes(text) {
+        return Ok(bytes);
+    }
+    // `parse_size` rounds what has more digits, and adds past the largest number.
+    if text.bytes().filter(u8::is_ascii_digit).count() > 18 {
+        let message = format!("{} has more than 18 digits", shown(text));
+        return Err(Wrong::new(Rule::Range, message).expected(SIZE));
+    }
     parse_size::parse_size(text.as_bytes())
         .map_err(|_| Wrong::new(Rule::Value, format!("{} is no size", shown(text))).expected(SIZE))
 }
