@@ -11,7 +11,7 @@ mod placed;
 pub(crate) mod var;
 mod world;
 
-pub(crate) use awake::{Phase, Sweep};
+pub(crate) use awake::{Mark, Phase, Sweep};
 pub(crate) use own::{Candidate, Frame, Late, NONE, Own, OwnStep};
 pub(crate) use placed::{Placed, Placement};
-pub(crate) use world::World;
+pub(crate) use world::{Quiet, World};

@@ -5,12 +5,12 @@
 //! at the capacity; what comes in beyond is lost.
 
 use crate::derive::var::{Reach, Var};
-use crate::derive::{Frame, Late, OwnStep};
+use crate::derive::{Frame, Late, Mark, OwnStep};
 use crate::problem::{Draw, Problem};
 
 /// An instant, the charge then, and what is drawn from then on beside the
 /// computer.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Cursor {
     pub(crate) at: Var,
     pub(crate) charge: Var,
@@ -45,6 +45,16 @@ pub(crate) trait Watch {
 
     /// Something should have begun earlier than it can.
     fn late(&mut self, _late: Late, _reach: &Reach) {}
+
+    /// What follows depends on how much charge there is at this instant, and not
+    /// only on what is drawn.
+    fn depends(&mut self, _at: i64) {}
+
+    /// The computer has just fallen asleep, and all that a candidate changes is
+    /// behind. Whether nothing that follows need be looked at.
+    fn asleep(&mut self, _mark: &Mark, _reach: &mut Reach) -> bool {
+        false
+    }
 
     /// Whether nothing that follows matters.
     fn is_done(&self, _reach: &Reach) -> bool {
@@ -161,6 +171,16 @@ pub(crate) struct Change {
 }
 
 impl Cursor {
+    /// Whether all of a candidate's changes are behind.
+    pub(crate) const fn is_past(&self, own: &[OwnStep]) -> bool {
+        self.own == own.len()
+    }
+
+    /// Whether the same of what is placed is behind, at the same instant.
+    pub(crate) fn is_beside(&self, other: &Self) -> bool {
+        self.at == other.at && self.placed == other.placed && self.drawn == other.drawn
+    }
+
     const fn take(&mut self, step: Change) {
         self.drawn.marginal += step.draw.marginal;
         self.drawn.peak += step.draw.peak;

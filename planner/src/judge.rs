@@ -43,8 +43,12 @@ impl Rest<'_> {
         }
         let frame = Frame { placed: self.placed, own: &own };
         let mut look = Look::new(self.problem, self.world, optional, keep);
+        let before = own.first().and_then(|first| self.world.mark_before(self.problem, first));
         let mut sweep = Sweep::new(self.problem, frame, reach, &mut look);
-        sweep.run();
+        match before {
+            Some(mark) => sweep.go_on(&mark),
+            None => sweep.run(),
+        }
         let reach = sweep.reach;
         match look.broken_for() {
             Some(shift) => Verdict::Breaks(shift),

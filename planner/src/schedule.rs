@@ -15,7 +15,8 @@ mod worth;
 pub use improve::{Budget, Improved, improve};
 pub use worth::Worth;
 
-use crate::derive::{Placed, Placement, World};
+use crate::derive::var::{Reach, Var};
+use crate::derive::{Candidate, Own, Placed, Placement, World};
 use crate::judge::Rest;
 use crate::problem::Problem;
 use crate::search::Effort;
@@ -109,6 +110,7 @@ impl Pass<'_> {
     /// Places something for good.
     fn put(&mut self, item: usize, slot: Slot) {
         let (start, end) = (slot.start.get(), slot.end.get());
+        let change = self.first_change(item, slot);
         self.placed.insert(self.problem, Placement { item, start, end });
         self.timelines.insert(&self.claims[item], slot.start);
         self.slots[item] = Some(slot);
@@ -116,7 +118,16 @@ impl Pass<'_> {
         if let Some(group) = self.problem.items[item].group {
             self.groups[group].get_or_insert(item);
         }
-        self.world = World::of(self.problem, &self.placed);
+        let world = core::mem::take(&mut self.world);
+        self.world = world.after(self.problem, &self.placed, change);
         self.version += 1;
+    }
+
+    /// The first instant at which something is otherwise with it placed.
+    fn first_change(&self, item: usize, slot: Slot) -> i64 {
+        let (start, end) = (Var::fixed(slot.start.get()), Var::fixed(slot.end.get()));
+        let candidate = Candidate { item, start, end };
+        let own = Own::of(self.problem, &self.placed, candidate, &mut { Reach::ALL });
+        own.ok().and_then(|own| own.first()).unwrap_or(self.problem.now)
     }
 }

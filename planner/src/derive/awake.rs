@@ -27,6 +27,17 @@ struct Up {
     counted: Var,
 }
 
+/// The computer has just fallen asleep: a sweep can go on from there, and two
+/// worlds can be compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Mark {
+    pub(crate) cursor: Cursor,
+    /// How many needs of what is placed are met.
+    pub(crate) met: usize,
+    /// How many phases are over.
+    pub(crate) phases: usize,
+}
+
 /// How a sleep ends.
 enum Wake {
     Up(Up),
@@ -56,6 +67,8 @@ pub(crate) struct Sweep<'a, 'w, W> {
     met: (usize, usize),
     pub(crate) phases: Vec<Phase>,
     pub(crate) late: Vec<Late>,
+    /// Nothing that follows need be looked at.
+    is_over: bool,
 }
 
 impl<'a, 'w, W: Watch> Sweep<'a, 'w, W> {
@@ -68,11 +81,27 @@ impl<'a, 'w, W: Watch> Sweep<'a, 'w, W> {
         let energy = Energy { problem, frame };
         let cursor = energy.start(&mut reach);
         let (phases, late) = (Vec::new(), Vec::new());
-        Self { problem, energy, reach, watch, cursor, met: (0, 0), phases, late }
+        Self { problem, energy, reach, watch, cursor, met: (0, 0), phases, late, is_over: false }
     }
 
+    /// All of it.
     pub(crate) fn run(&mut self) {
-        let mut up = self.first();
+        let up = self.first();
+        self.run_from(up);
+    }
+
+    /// What comes after a sleep's begin, up to which nothing differs.
+    pub(crate) fn go_on(&mut self, mark: &Mark) {
+        self.cursor = mark.cursor;
+        self.met = (mark.met, 0);
+        let up = match self.wake(self.cursor, self.cursor.at, false) {
+            Wake::Up(up) => Some(self.sleep(up)),
+            Wake::Never | Wake::Stay => None,
+        };
+        self.run_from(up);
+    }
+
+    fn run_from(&mut self, mut up: Option<Up>) {
         while let Some(begun) = up
             && !self.is_done()
         {
@@ -84,7 +113,7 @@ impl<'a, 'w, W: Watch> Sweep<'a, 'w, W> {
     }
 
     fn is_done(&self) -> bool {
-        self.watch.is_done(&self.reach)
+        self.is_over || self.watch.is_done(&self.reach)
     }
 
     const fn end(&self) -> Var {
@@ -218,7 +247,18 @@ impl<'a, 'w, W: Watch> Sweep<'a, 'w, W> {
         self.go(down, computer.awake);
         self.go(asleep, computer.shutdown);
         self.phases.push(Phase { wakeup: begun.wakeup, up: begun.up, down, asleep });
-        next.map(|up| self.sleep(up))
+        self.is_over = self.is_like_before();
+        next.filter(|_| !self.is_over).map(|up| self.sleep(up))
+    }
+
+    /// Whether all that a candidate changes is behind, and somebody knows what
+    /// follows.
+    fn is_like_before(&mut self) -> bool {
+        let own = self.energy.frame.own;
+        let mark = Mark { cursor: self.cursor, met: self.met.0, phases: self.phases.len() };
+        self.met.1 == own.needs.len()
+            && self.cursor.is_past(&own.steps)
+            && self.watch.asleep(&mark, &mut self.reach)
     }
 
     /// The next need.

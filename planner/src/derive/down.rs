@@ -30,6 +30,7 @@ impl<W: Watch> Sweep<'_, '_, W> {
         if self.reach.le(now.over, Var::fixed(0)) {
             return self.accept(now);
         }
+        self.watch.depends(earliest.at);
         loop {
             let next = self.next_change(now, last);
             if self.reach.le(next, now.down.at) {

@@ -96,6 +96,12 @@ impl Own {
         Ok(own)
     }
 
+    /// Before which nothing differs from what is placed.
+    pub(crate) fn first(&self) -> Option<i64> {
+        let gone = self.gone.iter().map(|need| need.from);
+        self.needs.iter().map(|need| need.from.at).chain(gone).min()
+    }
+
     fn adds(
         &mut self,
         problem: &Problem,

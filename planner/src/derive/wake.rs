@@ -35,6 +35,7 @@ impl<W: Watch> Sweep<'_, '_, W> {
             let up = until.later(computer.wakeup_time);
             return Wake::Up(Up { wakeup: until, up, counted: up });
         };
+        self.watch.depends(cursor.at.at);
         let mut wakeup = full;
         if need.is_none() {
             let last = end.later(-computer.min_awake - computer.wakeup_time);

@@ -4,7 +4,7 @@
 mod soft;
 
 use crate::derive::var::{Reach, Var};
-use crate::derive::{Late, World};
+use crate::derive::{Late, Mark, Quiet, World};
 use crate::energy::{Segment, Watch};
 use crate::problem::Problem;
 
@@ -126,6 +126,28 @@ impl<'a> Look<'a> {
         }
     }
 
+    /// From an instant on there is so much less charge than without the
+    /// candidate, and nothing else differs.
+    fn less(&mut self, change: Var, quiet: Quiet, reach: &mut Reach) {
+        let battery = &self.problem.battery;
+        self.less_than(battery.soft, change, quiet.least, reach);
+        if let Some(at) = self.handover.filter(|&at| at >= quiet.from) {
+            self.less_than(battery.handover, change, self.world.charge(at), reach);
+        }
+    }
+
+    /// A charge that was `without` changes: whether it is below a minimum, and
+    /// lower than it was.
+    fn less_than(&mut self, min: i64, change: Var, without: i64, reach: &mut Reach) {
+        let bound = min.min(without);
+        let mut here = Reach::ALL;
+        if !here.is_kept(change.later(without - bound)) {
+            self.breaks(here.get(), reach);
+        } else if self.keep {
+            reach.limit(here.get());
+        }
+    }
+
     /// Where it is not worth working out how long a limit is kept.
     fn must_not_move(&self, segment: &Segment, reach: &mut Reach) {
         let all = [segment.from, segment.to, segment.first, segment.last];
@@ -146,6 +168,20 @@ impl Watch for Look<'_> {
         if !self.world.has(late) {
             self.breaks(i64::MAX, reach);
         }
+    }
+
+    fn asleep(&mut self, mark: &Mark, reach: &mut Reach) -> bool {
+        if self.lists || !mark.cursor.at.is_fixed() {
+            return false;
+        }
+        let Some(quiet) = self.world.quiet_from(mark) else { return false };
+        let change = mark.cursor.charge.later(-quiet.charge);
+        if change.at > 0 {
+            return false;
+        }
+        let _ = reach.le(change, Var::fixed(0));
+        self.less(change, quiet, reach);
+        true
     }
 
     /// What is to be kept must still be kept in it, where it comes to last.
