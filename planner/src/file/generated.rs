@@ -74,10 +74,15 @@ fn limits() -> impl Strategy<Value = (i64, i64)> + Clone {
     (end.clone(), end).prop_map(|(one, other)| (one.min(other), one.max(other)))
 }
 
+/// The first few more often: those of a plan or a window then often have a name.
+fn bit() -> impl Strategy<Value = u8> {
+    prop_oneof![0_u8..8, 0_u8..128]
+}
+
 fn bits() -> impl Strategy<Value = Categories> {
     prop_oneof![
         Just(Categories::NONE),
-        btree_set(0_u8..128, 0..5).prop_map(|bits| {
+        btree_set(bit(), 0..5).prop_map(|bits| {
             Categories::from_mask(bits.into_iter().fold(0, |mask, bit| mask | 1 << bit))
         }),
     ]

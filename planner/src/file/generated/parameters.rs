@@ -2,9 +2,9 @@
 
 use proptest::collection::{btree_set, vec};
 use proptest::prelude::*;
-use proptest::sample::{select, subsequence};
+use proptest::sample::select;
 
-use super::{fraction, limits, load, names, phase, power, span, time};
+use super::{bit, fraction, limits, load, names, phase, power, span, time};
 use crate::file::words::TIMELINES;
 use crate::parameters::{Day, Parameters, PreheatRow, TimelineSpec, Zone};
 use crate::units::Span;
@@ -37,7 +37,7 @@ prop_compose! {
     )(
         zones in zones.into_iter().map(|name| zone(name, length)).collect::<Vec<_>>(),
         timelines in timelines.into_iter().map(timeline).collect::<Vec<_>>(),
-        bits in subsequence((0..128_u8).collect::<Vec<_>>(), resources.len()).prop_shuffle(),
+        bits in btree_set(bit(), resources.len()).prop_map(Vec::from_iter).prop_shuffle(),
         resources in Just(resources),
         mut soc in [fraction(), fraction(), fraction()],
         powers in [power(), power(), power()],
