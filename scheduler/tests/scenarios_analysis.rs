@@ -338,3 +338,25 @@ fn a_week_of_a_satellite_is_analyzed() {
     let [bus] = &analysis.utilisation.agents[..] else { panic!() };
     assert!(bus.supply.is_some_and(|supply| bus.peak <= supply), "{bus:?}");
 }
+
+#[test]
+fn a_cleanup_that_is_never_needed_is_no_problem_and_waits_for_nothing() {
+    let mut cleaned = task(1, 4, 1, 2);
+    cleaned.cleanup = Some(id(9));
+    let analysis = plain(&[cleaned, task(9, 1, 1, 1)]);
+    assert_eq!(kinds(&analysis), []);
+    assert_eq!(report(&analysis, 9).waited, s(0));
+    assert!(report(&analysis, 9).runs.is_empty());
+}
+
+/// One that is ended by its overrun policy was aborted.
+#[test]
+fn a_cleanup_that_is_needed_is_due_when_it_starts() {
+    let mut cleaned = due(task(1, 4, 1, 2), 0);
+    cleaned.cleanup = Some(id(9));
+    cleaned.cutoff = When::AfterLoad(s(3));
+    let analysis = plain(&[cleaned, task(9, 1, 0, 1)]);
+    assert_eq!(kinds(&analysis), [(ProblemKind::Cutoff, Some(1))]);
+    assert_eq!(report(&analysis, 9).waited, s(0));
+    assert_eq!(report(&analysis, 9).runs[0].start, s(3));
+}

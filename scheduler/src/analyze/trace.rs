@@ -1,6 +1,6 @@
 //! Runs a schedule on the virtual executive, and writes down what happens.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use crate::analyze::report::RunOutcome;
 use crate::analyze::track::Track;
@@ -49,6 +49,8 @@ struct Recorder<'a> {
     index: HashMap<TaskId, usize>,
     /// Tasks that were given to the manager, until it accepts them.
     given: HashMap<TaskId, Task>,
+    /// Who cleans up after one of them.
+    cleaning: HashSet<TaskId>,
     waits: Vec<Wait>,
     /// How many attempts started, and whether that was enough.
     started: usize,
@@ -118,17 +120,25 @@ fn run(
 
 impl<'a> Recorder<'a> {
     fn new(tasks: &[Task], surroundings: &'a mut dyn Surroundings) -> Self {
-        Self {
+        let mut recorder = Self {
             tracks: Vec::with_capacity(tasks.len()),
             index: HashMap::with_capacity(tasks.len()),
-            given: tasks.iter().map(|task| (task.id, task.clone())).collect(),
+            given: HashMap::with_capacity(tasks.len()),
+            cleaning: HashSet::new(),
             waits: Vec::new(),
             started: 0,
             events: 0,
             is_full: false,
             refused: None,
             surroundings,
-        }
+        };
+        recorder.gives(tasks);
+        recorder
+    }
+
+    fn gives(&mut self, tasks: &[Task]) {
+        self.given.extend(tasks.iter().map(|task| (task.id, task.clone())));
+        self.cleaning.extend(tasks.iter().filter_map(|task| task.cleanup));
     }
 
     /// Tells how far it is, and whether there is room for more.
@@ -147,7 +157,7 @@ impl<'a> Recorder<'a> {
     /// A task that comes again under its number goes on in the same track.
     fn accepted(&mut self, id: TaskId, now: Duration, wall: UnixTime) {
         let Some(task) = self.given.remove(&id) else { return };
-        let track = Track::new(task, now, wall);
+        let track = Track::new(task, self.cleaning.contains(&id), now, wall);
         if let Some(known) = self.track(id) {
             return known.goes_on_as(track);
         }
@@ -260,7 +270,7 @@ impl Outside for Recorder<'_> {
     fn load(&mut self, _: Attempt, path: &str) -> Option<LoadedFile> {
         let file = self.surroundings.load(path);
         if let Ok(tasks) = &file {
-            self.given.extend(tasks.iter().map(|task| (task.id, task.clone())));
+            self.gives(tasks);
         }
         Some(file)
     }

@@ -11,6 +11,8 @@ use crate::time::{Duration, UnixTime};
 #[derive(Clone, Debug)]
 pub(super) struct Track {
     pub(super) task: Task,
+    /// It runs when another one failed, and has no times of its own.
+    cleans_up: bool,
     /// When it was accepted, from the load of the schedule.
     accepted: Duration,
     /// The time of day at which it was accepted.
@@ -39,11 +41,12 @@ pub(super) struct Track {
 }
 
 impl Track {
-    pub(super) fn new(task: Task, accepted: Duration, wall: UnixTime) -> Self {
+    pub(super) fn new(task: Task, cleans_up: bool, accepted: Duration, wall: UnixTime) -> Self {
         Self {
             base: base(&task, wall),
             first: first_number(&task, wall),
             task,
+            cleans_up,
             accepted,
             wall,
             runs: Vec::new(),
@@ -70,6 +73,7 @@ impl Track {
         self.accepted = next.accepted;
         self.wall = next.wall;
         self.task = next.task;
+        self.cleans_up = next.cleans_up;
         self.seen = None;
         self.ended = false;
         self.since = None;
@@ -124,7 +128,8 @@ impl Track {
     pub(super) fn started(&mut self, attempt: Attempt, now: Duration) {
         self.settle_reason(now);
         let again = self.since.take();
-        let first = self.task_has_times().then(|| self.due(attempt.occurrence.number));
+        // Who cleans up is due when it starts, as far as anybody tells.
+        let first = (!self.cleans_up).then(|| self.due(attempt.occurrence.number));
         if let Some(from) = again.or(first).filter(|from| *from < now) {
             self.waits.push((from, now));
         }
@@ -137,11 +142,6 @@ impl Track {
             segments: vec![(now, Duration::MAX)],
             occurrence: attempt.occurrence.number,
         });
-    }
-
-    /// A task without times of its own (a cleanup) is due when it starts.
-    fn task_has_times(&self) -> bool {
-        !self.task.windows.is_empty()
     }
 
     pub(super) fn paused(&mut self, now: Duration) {
@@ -253,7 +253,7 @@ impl Track {
             } else if !long.is_zero() {
                 self.waits.push((since, horizon));
             }
-        } else if !paused && self.never.is_none() && self.task_has_times() {
+        } else if !paused && self.never.is_none() && !self.cleans_up {
             let routine = self.task.interval.is_some();
             let next = self.seen.map_or(self.first, |seen| seen.saturating_add(1));
             let due = self.due(next);
