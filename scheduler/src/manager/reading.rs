@@ -30,8 +30,9 @@ impl Step<'_> {
         match reading {
             Reading::Battery(percent) => {
                 measured.battery = percent;
-                measured.battery_low =
-                    battery_low.is_some_and(|low| percent.is_some_and(|percent| percent < low));
+                // That nothing is known any more does not end a shortage.
+                let Some(percent) = percent else { return };
+                measured.battery_low = battery_low.is_some_and(|low| percent < low);
                 self.relieve(self.manager.measured.battery_low);
             }
             Reading::Memory(bytes) => {

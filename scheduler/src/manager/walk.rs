@@ -188,10 +188,10 @@ impl Step<'_> {
             return Some(WaitsFor::Held);
         }
         let demand = self.manager.classes.demand(entry.class);
-        self.manager
-            .modes
-            .against(entry.task.priority, &demand)
-            .or_else(|| entry.run.short.then(|| self.manager.shortage()).flatten())
+        let mode = self.manager.modes.against(entry.task.priority, &demand);
+        // Who stands still, for whatever reason, would use what is short.
+        let is_kept = entry.run.short || entry.run.stage == Stage::Paused;
+        mode.or_else(|| is_kept.then(|| self.manager.shortage()).flatten())
     }
 
     /// What keeps an occurrence without a body from getting one.

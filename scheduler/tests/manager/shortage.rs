@@ -58,3 +58,39 @@ fn one_that_cannot_be_pre_empted_runs_on_when_the_battery_is_low() {
     world.tell(Event::Reading(Reading::Battery(Some(20))));
     assert_eq!(world.lines(&["resumed"]).len(), 1);
 }
+
+/// Who stands still for another reason would use what there is too little of.
+#[test]
+fn one_that_was_paused_before_does_not_go_on_while_there_is_a_shortage() {
+    let battery = Some(BatterySpec { low: 20 });
+    let mut world = World::new(Mission { battery, ..Mission::default() });
+    let charge = |percent| Event::Reading(Reading::Battery(Some(percent)));
+    world.add([
+        task(1, 60.0).categories(1).priority(1),
+        task(2, 60.0).categories(1).priority(2).at(1.0),
+    ]);
+    world.until(2.0);
+    world.tell(charge(19));
+    world.until(5.0);
+    assert_eq!(
+        world.lines(&["paused", "resumed"]),
+        ["1.000 task 1 attempt 1 paused", "2.000 task 2 attempt 1 paused"]
+    );
+    world.tell(charge(20));
+    assert_eq!(world.lines(&["resumed"]), ["5.000 task 2 attempt 1 resumed"]);
+}
+
+#[test]
+fn a_shortage_is_over_when_that_was_measured_and_not_when_nothing_is_known() {
+    let battery = Some(BatterySpec { low: 20 });
+    let mut world = World::new(Mission { battery, ..Mission::default() });
+    world.add([task(1, 60.0)]);
+    world.until(1.0);
+    world.tell(Event::Reading(Reading::Battery(Some(19))));
+    world.until(2.0);
+    world.tell(Event::Reading(Reading::Battery(None)));
+    world.until(3.0);
+    assert!(world.lines(&["resumed"]).is_empty());
+    world.tell(Event::Reading(Reading::Battery(Some(20))));
+    assert_eq!(world.lines(&["resumed"]), ["3.000 task 1 attempt 1 resumed"]);
+}
