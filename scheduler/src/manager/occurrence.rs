@@ -111,9 +111,10 @@ impl Step<'_> {
             return self.set_timer_in(index, Kind::Closed, from_duration(LATENESS));
         }
         let has_another = entry.present_window(self.now).is_some();
+        let not_before = entry.has_started().then_some(entry.due);
         self.unseat(index);
         if has_another {
-            self.seat(index, None);
+            self.seat(index, not_before);
         } else {
             self.missed(index, WINDOW);
         }

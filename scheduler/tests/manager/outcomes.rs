@@ -1,7 +1,7 @@
 //! What the end of a body means, and what follows.
 
 use faregate_scheduler::manager::{Event, Exit, Reading};
-use faregate_scheduler::task::{Body, Overrun, Preemption, Restart};
+use faregate_scheduler::task::{Body, Overrun, Preemption, Restart, When, Window};
 
 use crate::world::{With, World, id, seconds, task};
 
@@ -146,5 +146,25 @@ fn a_function_that_does_not_return_keeps_its_categories_until_it_does() {
             "6.000 task 1 attempt 1 did not return: its worker is lost",
             "55.000 task 2 attempt 1 started",
         ]
+    );
+}
+
+/// Of its windows one closes while it waits, and the other one opens too early.
+#[test]
+fn a_restart_waits_for_its_back_off_whatever_its_windows_do() {
+    let restart = Restart::OnFailure { limit: 1, back_off: seconds(30.0) };
+    let window = |opens: f64, closes: f64| Window {
+        opens: When::AfterLoad(seconds(opens)),
+        closes: When::AfterLoad(seconds(closes)),
+    };
+    let tried = task(1, 1.0).with(|task| {
+        task.restart = restart;
+        task.windows = vec![window(0.0, 5.0), window(10.0, 60.0)];
+    });
+    let mut world = World::ending([tried], &[(1, Exit::Code(1))]);
+    world.until(100.0);
+    assert_eq!(
+        world.lines(&["started"]),
+        ["0.000 task 1 attempt 1 started", "31.000 task 1 attempt 2 started"]
     );
 }
