@@ -83,7 +83,8 @@ impl Manager {
         if entry.held {
             return WaitsFor::Held;
         }
-        let unsatisfied = entry.satisfied.iter().position(|satisfied| !satisfied);
+        let depends = !entry.has_started();
+        let unsatisfied = entry.satisfied.iter().position(|satisfied| depends && !satisfied);
         if let Some(after) = unsatisfied.and_then(|number| entry.task.after.get(number)) {
             return WaitsFor::Dependency(after.task);
         }

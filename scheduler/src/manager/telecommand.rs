@@ -16,7 +16,6 @@ impl Step<'_> {
             Telecommand::SetWindows(id, windows) => self.set_windows(id, windows),
             Telecommand::Clear { all } => {
                 self.clear(all, None);
-                self.act(Action::Sync);
                 Ok(())
             }
             Telecommand::Hold(id) => self.hold(id),
@@ -86,6 +85,7 @@ impl Step<'_> {
                 entry.removed = true;
             }
         }
+        self.act(Action::Sync);
     }
 
     fn set_priority(&mut self, id: TaskId, priority: TaskPriority) -> Result<(), String> {

@@ -6,7 +6,9 @@ use faregate_scheduler::journal::replay;
 use faregate_scheduler::manager::limits::MOST_ENDED;
 use faregate_scheduler::manager::{Record, Reply, State, Telecommand};
 use faregate_scheduler::mission::{DeviceSpec, ModeSpec};
-use faregate_scheduler::task::{Body, BuiltIn, Outcome, Preemption, Task, TaskPriority};
+use faregate_scheduler::task::{
+    Body, BuiltIn, Dependency, Outcome, Preemption, Status, Task, TaskPriority,
+};
 
 use crate::world::{SLOW, With, World, id, task, wall};
 
@@ -362,4 +364,37 @@ fn of_the_tasks_that_ended_the_last_ones_are_remembered_and_can_be_cleared() {
     world.ask(Telecommand::Clear { all: false });
     assert_eq!(shown(&world), [0; 0]);
     assert!(replay(world.journal.records).tasks.is_empty());
+}
+
+/// What it depends on was there when it started.
+#[test]
+fn one_that_was_paused_does_not_wait_for_what_it_depended_on() {
+    let dependant = task(2, 30.0).categories(1).with(|task| {
+        let status = Status::Succeeded;
+        task.after.push(Dependency { task: id(1), status });
+    });
+    let mut world = World::of([
+        task(1, 1.0).every(100.0),
+        dependant,
+        task(3, 5.0).categories(1).priority(1).at(2.0),
+    ]);
+    world.until(3.0);
+    let occurrence = world.manager().status().nth(1).unwrap().occurrence;
+    assert_eq!(
+        world.manager().waits_for(occurrence).unwrap().to_string(),
+        "categories 0x1, which task 3 has"
+    );
+}
+
+/// Who clears the schedule has the answer when it is durable, whoever it is.
+#[test]
+fn what_a_task_clears_is_durable_when_it_has_ended() {
+    let mut world =
+        World::of([task(1, 1.0).at(500.0), built_in(2, BuiltIn::Clear { all: false }).at(1.0)]);
+    world.until(2.0);
+    let is_end = |record: &Record| matches!(record, Record::Over { .. });
+    let end = world.journal.records.iter().position(is_end).unwrap();
+    let synced = world.journal.syncs.iter().rev().find(|sync| **sync <= end).copied().unwrap();
+    let durable = &world.journal.records[..synced];
+    assert!(durable.contains(&Record::Removed { task: id(1), load: 0 }), "{durable:#?}");
 }
