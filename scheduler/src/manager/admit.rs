@@ -144,35 +144,43 @@ impl Step<'_> {
         }
         let (cleans_up, routine) = (entry.cleans_up, entry.is_routine());
         let number = if routine { entry.first_number(self.now) } else { 0 };
-        if !self.look_back(index) {
-            return;
+        if let Some(why) = self.look_back(index) {
+            return self.never_runs(index, why);
         }
         if !cleans_up {
             self.begin(index, number);
         }
     }
 
-    /// Priors that have ended before. Answers whether the task is still there.
-    pub(crate) fn look_back(&mut self, index: u32) -> bool {
-        let Some(entry) = self.entry(index) else { return false };
+    /// Priors that have ended before, or are gone. Answers why the task can never
+    /// run, if that follows.
+    pub(crate) fn look_back(&mut self, index: u32) -> Option<String> {
+        let entry = self.entry(index)?;
         for (number, after) in entry.task.after.clone().into_iter().enumerate() {
-            let prior = self.manager.by_id.get(&after.task).and_then(|prior| self.entry(*prior));
-            let Some(outcome) =
-                prior.filter(|prior| prior.place == Place::Over).and_then(|prior| prior.last)
-            else {
+            let is_satisfied = |entry: &Entry| entry.satisfied.get(number) == Some(&true);
+            if self.entry(index).is_some_and(is_satisfied) {
                 continue;
-            };
-            if !after.status.includes(outcome) {
-                self.never_runs(index, format!("{} has ended otherwise", after.task));
-                return false;
+            }
+            let prior = self.manager.by_id.get(&after.task).and_then(|prior| self.entry(*prior));
+            let Some(prior) = prior else { return Some(gone(after.task)) };
+            if prior.place != Place::Over {
+                continue;
+            }
+            if !prior.last.is_some_and(|outcome| after.status.includes(outcome)) {
+                return Some(format!("{} has ended otherwise", after.task));
             }
             let entry = self.entry_mut(index);
             if let Some(satisfied) = entry.and_then(|entry| entry.satisfied.get_mut(number)) {
                 *satisfied = true;
             }
         }
-        true
+        None
     }
+}
+
+/// Why nobody who waits for an outcome of this task will run.
+pub(crate) fn gone(prior: TaskId) -> String {
+    format!("{prior} was taken out of the schedule")
 }
 
 impl Manager {

@@ -1,5 +1,6 @@
 //! Dependencies on what became of other tasks, and tasks that clean up.
 
+use crate::manager::admit::gone;
 use crate::manager::entry::{Place, Run};
 use crate::manager::point::Point;
 use crate::manager::step::Step;
@@ -125,7 +126,7 @@ impl Step<'_> {
             let Some(entry) = self.entry(dependant) else { continue };
             let satisfied = entry.satisfied.get(number).copied().unwrap_or(false);
             if entry.place != Place::Over && !satisfied && !entry.has_started() {
-                self.never_runs(dependant, format!("{id} was taken out of the schedule"));
+                self.never_runs(dependant, gone(id));
             }
         }
     }

@@ -86,11 +86,12 @@ impl Step<'_> {
         }
         let first = entry.first_number(entry.accepted);
         let number = past.ended.map_or(first, |(last, _)| last.saturating_add(1));
-        if !self.look_back(index) {
-            return;
-        }
+        let never = self.look_back(index);
         if past.interrupted.is_some() || past.may_have_started || past.attempts > 0 {
+            // It depended on others until it began.
             self.go_on_with(index, number, past);
+        } else if let Some(why) = never {
+            self.never_runs(index, why);
         } else if self.entry(index).is_some_and(|entry| entry.cleans_up) {
             self.clean_from(index, number, past.has_to_clean);
         } else {

@@ -49,6 +49,10 @@ impl Step<'_> {
     /// After the end of an occurrence: the next one, or the last that is due
     /// by now.
     pub(crate) fn follow(&mut self, index: u32) {
+        // Whom it waits for may have gone while it did not wait.
+        if let Some(why) = self.look_back(index) {
+            return self.never_runs(index, why);
+        }
         let Some(entry) = self.entry(index) else { return };
         let first = entry.next;
         let present = entry.last_due_by(self.now).unwrap_or(0).max(first);

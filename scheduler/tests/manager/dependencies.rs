@@ -146,3 +146,22 @@ fn a_cleanup_that_is_at_work_when_it_is_wanted_works_once_more() {
     assert_eq!(world.lines(&["task 9"]).iter().filter(|line| line.contains("started")).count(), 2);
     assert!(world.lines(&["task 9 occurrence 1 attempt 1 started"])[0].starts_with("11.000"));
 }
+
+/// It was running when its prior went: what it depends on was used already.
+#[test]
+fn a_routine_task_whose_prior_was_removed_while_it_ran_never_runs_again() {
+    let dependant = after(task(2, 5.0).every(10.0), 1, Status::Succeeded);
+    let mut world = World::of([task(1, 1.0).every(10.0), dependant]);
+    world.until(3.0);
+    world.ask(Telecommand::Remove(vec![id(1)]));
+    world.until(60.0);
+    assert_eq!(
+        world.lines(&["task 2 attempt 1 s", "task 2 never", "task 2 missed"]),
+        [
+            "1.000 task 2 attempt 1 started",
+            "6.000 task 2 attempt 1 succeeded (exit code 0)",
+            "6.000 task 2 never runs: task 1 was taken out of the schedule",
+        ]
+    );
+    assert!(world.manager().is_over());
+}
