@@ -9,6 +9,7 @@ mod arm;
 mod attempt;
 mod build_in;
 mod classes;
+mod cleanup;
 mod decide;
 mod defects;
 mod demand;
@@ -78,6 +79,11 @@ pub struct Manager {
     /// Who waits for an outcome of this task, and which of its dependencies
     /// that is.
     dependants: BTreeMap<TaskId, Vec<(u32, usize)>>,
+    /// How many tasks that are not over name each one as their cleanup.
+    needed: BTreeMap<TaskId, usize>,
+    /// Tasks that clean up, and may have nobody left to do it for: index,
+    /// position.
+    idle: VecDeque<(u32, u64)>,
     classes: Classes,
     timers: Timers,
     /// Who was asked for at the agents, or has a body.
@@ -148,6 +154,8 @@ impl Manager {
             next_position: 0,
             loads: BTreeMap::new(),
             dependants: BTreeMap::new(),
+            needed: BTreeMap::new(),
+            idle: VecDeque::new(),
             classes: Classes::default(),
             timers: Timers::default(),
             live: Vec::new(),

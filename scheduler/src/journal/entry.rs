@@ -59,6 +59,10 @@ pub(super) struct Kept {
     /// Which of its dependencies were satisfied since it began last, in the
     /// task's order.
     pub(super) satisfied: Vec<bool>,
+    /// It leaves the schedule when the attempt that began has ended.
+    pub(super) leaving: bool,
+    /// It runs when another one failed, and never by itself.
+    pub(super) cleans_up: bool,
 }
 
 impl Kept {
@@ -83,8 +87,8 @@ impl Kept {
     }
 
     /// As a manager is told of it. One that cleans up is not over when it ran.
-    pub(super) fn restored(self, is_cleanup: bool) -> RestoredTask {
-        let ran_once = self.task.interval.is_none() && self.ended.is_some() && !is_cleanup;
+    pub(super) fn restored(self) -> RestoredTask {
+        let ran_once = self.task.interval.is_none() && self.ended.is_some() && !self.cleans_up;
         RestoredTask {
             task: self.task,
             load: self.load,
@@ -98,6 +102,8 @@ impl Kept {
             may_have_started: self.armed_in_vain && self.running.is_none(),
             has_to_clean: self.has_to_clean,
             satisfied: self.satisfied,
+            leaving: self.leaving,
+            cleans_up: self.cleans_up,
         }
     }
 }

@@ -3,7 +3,7 @@
 //! A pure function: it opens no file, and records that make no sense together
 //! are no panic. Records of a task that is not there say nothing.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use crate::journal::entry::{Base, Entry, Kept};
 use crate::journal::storage::Boot;
@@ -85,6 +85,12 @@ impl Replay {
             Record::Over { attempt, .. } => self.over(attempt),
             Record::Ended { occurrence, outcome, .. } => self.end(occurrence, outcome),
             Record::Mode { name, entered } => self.mode(name, entered),
+            Record::Leaving { task, load } => {
+                self.mark(task, load, |kept| kept.leaving = true);
+            }
+            Record::CleansUp { task, load } => {
+                self.mark(task, load, |kept| kept.cleans_up = true);
+            }
         }
     }
 
@@ -97,16 +103,7 @@ impl Replay {
     /// The same, without copying all tasks.
     #[must_use]
     pub fn into_restored(self) -> Restored {
-        let cleanups = self.cleanups();
-        let is_cleanup = |kept: &Kept| cleanups.contains(&kept.task.id);
-        let mut tasks: Vec<_> = self
-            .tasks
-            .into_values()
-            .map(|kept| {
-                let is_cleanup = is_cleanup(&kept);
-                kept.restored(is_cleanup)
-            })
-            .collect();
+        let mut tasks: Vec<_> = self.tasks.into_values().map(Kept::restored).collect();
         tasks.sort_by_key(|task| task.position);
         let Base { modes, next_position, .. } = self.base;
         Restored { tasks, modes, next_position }
@@ -155,6 +152,8 @@ impl Replay {
             armed_in_vain: false,
             has_to_clean: false,
             satisfied: vec![false; task.after.len()],
+            leaving: false,
+            cleans_up: false,
             task,
         };
         self.insert(kept);
@@ -227,6 +226,12 @@ impl Replay {
         self.tasks.get_mut(&occurrence.task).filter(|kept| kept.load == occurrence.load)
     }
 
+    fn mark(&mut self, id: TaskId, load: u32, mark: impl FnOnce(&mut Kept)) {
+        if let Some(kept) = self.tasks.get_mut(&id).filter(|kept| kept.load == load) {
+            mark(kept);
+        }
+    }
+
     fn arm(&mut self, occurrence: Occurrence, armed: bool) {
         if let Some(kept) = self.of(occurrence) {
             kept.armed = armed.then_some(occurrence);
@@ -288,18 +293,13 @@ impl Replay {
             self.base.modes.push(name);
         }
     }
-
-    fn cleanups(&self) -> BTreeSet<TaskId> {
-        let live = self.tasks.values().filter(|kept| !kept.removed);
-        live.filter_map(|kept| kept.task.cleanup).collect()
-    }
 }
 
 const fn is_cleaned_up_after(outcome: Outcome) -> bool {
     matches!(outcome, Outcome::Failed | Outcome::Aborted)
 }
 
-/// The tasks that this one asks for.
+/// The tasks of which this one asks what became of them.
 fn names(task: &Task) -> impl Iterator<Item = TaskId> {
-    task.after.iter().map(|prior| prior.task).chain(task.cleanup)
+    task.after.iter().map(|prior| prior.task)
 }

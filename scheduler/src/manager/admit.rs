@@ -1,7 +1,5 @@
 //! Tasks come into the schedule: all of a load, or none.
 
-use std::collections::HashSet;
-
 use crate::manager::demand::Demand;
 use crate::manager::entry::{Entry, Place, Run};
 use crate::manager::point::{Point, Present, to_instant, to_wall};
@@ -29,31 +27,24 @@ impl Step<'_> {
         if !defects.is_empty() {
             return Err(defects.join("; "));
         }
-        let cleaning = self.cleaning(&tasks);
         let mut added = Vec::with_capacity(tasks.len());
         for task in tasks {
             added.push(self.accept(task));
         }
+        for index in &added {
+            let is_needed = |entry: &Entry| self.manager.needed.contains_key(&entry.task.id);
+            if self.entry(*index).is_some_and(is_needed) {
+                self.make_clean_up(*index);
+            }
+            self.depend(*index);
+        }
         if !added.is_empty() {
             self.act(Action::Sync);
-        }
-        for id in cleaning {
-            if let Some(index) = self.manager.by_id.get(&id).copied() {
-                self.make_clean_up(index);
-            }
-        }
-        for index in &added {
-            self.depend(*index);
         }
         for index in added {
             self.admit(index);
         }
         Ok(())
-    }
-
-    /// Who is named as somebody's cleanup, by these tasks or by those before.
-    fn cleaning(&self, tasks: &[Task]) -> HashSet<TaskId> {
-        tasks.iter().filter_map(|task| task.cleanup).collect()
     }
 
     fn accept(&mut self, task: Task) -> u32 {
@@ -87,6 +78,9 @@ impl Step<'_> {
     pub(crate) fn insert(&mut self, task: Task, admission: Admission) -> u32 {
         let Admission { load, position, accepted, held } = admission;
         let id = task.id;
+        if let Some(cleanup) = task.cleanup {
+            *self.manager.needed.entry(cleanup).or_default() += 1;
+        }
         let class = self.manager.classes.join(Demand::of(&task, &self.manager.mission));
         let entry = Entry {
             satisfied: vec![false; task.after.len()],
@@ -118,13 +112,6 @@ impl Step<'_> {
         self.manager.order.insert(position, index);
         self.manager.open = self.manager.open.saturating_add(1);
         index
-    }
-
-    /// Makes a task one that waits for the failure of another one.
-    pub(crate) fn make_clean_up(&mut self, index: u32) {
-        let Some(entry) = self.entry_mut(index).filter(|entry| !entry.cleans_up) else { return };
-        entry.cleans_up = true;
-        self.manager.open = self.manager.open.saturating_sub(1);
     }
 
     /// Ties a task to those that it depends on.

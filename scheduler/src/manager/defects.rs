@@ -64,6 +64,9 @@ impl Manager {
         if let Some(cleanup) = task.cleanup {
             self.defects_of_cleanup(task, cleanup, seen, &mut defect);
         }
+        if task.interval.is_some() && self.needed.contains_key(&task.id) {
+            defect("a task in the schedule has it clean up, and it is a routine task".into());
+        }
         let stoppable = matches!(task.body, Body::Function { .. });
         if stoppable && matches!(task.preemption, Preemption::Pause | Preemption::Kill { .. }) {
             defect("a function can only wait or be checkpointed".into());
@@ -92,7 +95,7 @@ impl Manager {
             return;
         }
         let there = self.by_id.get(&cleanup).and_then(|index| self.entry(*index));
-        match there {
+        match there.filter(|entry| entry.place != Place::Over) {
             Some(entry) if entry.cleans_up => {}
             Some(_) => {
                 defect(format!("{cleanup} is in the schedule by itself: it cannot clean up"))

@@ -1,8 +1,7 @@
-//! Dependencies on what became of other tasks, and tasks that clean up.
+//! Dependencies on what became of other tasks, and tasks that are gone.
 
 use crate::manager::admit::gone;
-use crate::manager::entry::{Place, Run};
-use crate::manager::point::Point;
+use crate::manager::entry::{Entry, Place};
 use crate::manager::step::Step;
 use crate::manager::{Note, Record};
 use crate::task::{Outcome, TaskId};
@@ -73,13 +72,21 @@ impl Step<'_> {
         self.take_out(index);
     }
 
-    /// Tasks of which it became known that they can never run. One can take
-    /// others with it, in a chain as long as the schedule.
+    /// Tasks of which it became known that they can never run, or have nothing
+    /// more to clean up. One can take others with it, in a chain as long as the
+    /// schedule.
     pub(crate) fn bury(&mut self) {
-        while let Some((index, position, why)) = self.manager.doomed.pop_front() {
-            let Some(entry) = self.entry(index) else { continue };
-            if entry.position == position && entry.place != Place::Over {
-                self.bury_one(index, why);
+        loop {
+            if let Some((index, position, why)) = self.manager.doomed.pop_front() {
+                let lives =
+                    |entry: &Entry| entry.position == position && entry.place != Place::Over;
+                if self.entry(index).is_some_and(lives) {
+                    self.bury_one(index, why);
+                }
+            } else if let Some((index, position)) = self.manager.idle.pop_front() {
+                self.retire(index, position);
+            } else {
+                return;
             }
         }
     }
@@ -91,9 +98,13 @@ impl Step<'_> {
         self.unseat(index);
         let Some(entry) = self.entry(index) else { return };
         let (id, load, position, class) = (entry.task.id, entry.load, entry.position, entry.class);
-        let counts = entry.place != Place::Over && !entry.cleans_up;
+        let ended = entry.place == Place::Over;
+        let counts = !ended && !entry.cleans_up;
         let dependencies: Vec<TaskId> = entry.task.after.iter().map(|after| after.task).collect();
         self.write(Record::Removed { task: id, load });
+        if !ended {
+            self.needs_no_cleanup(index);
+        }
         for kind in crate::manager::timers::EVERY {
             self.set_timer(index, kind, None);
         }
@@ -109,7 +120,6 @@ impl Step<'_> {
         if counts {
             self.manager.open = self.manager.open.saturating_sub(1);
         }
-        let ended = self.entry(index).is_some_and(|entry| entry.place == Place::Over);
         if ended {
             self.manager.ended.retain(|ended| *ended != index);
         }
@@ -122,63 +132,12 @@ impl Step<'_> {
 
     /// Who waits for an outcome of a task that is gone.
     fn leave_alone(&mut self, id: TaskId) {
-        for (dependant, number) in self.manager.dependants.remove(&id).unwrap_or_default() {
+        for (dependant, number) in self.manager.dependants.get(&id).cloned().unwrap_or_default() {
             let Some(entry) = self.entry(dependant) else { continue };
             let satisfied = entry.satisfied.get(number).copied().unwrap_or(false);
             if entry.place != Place::Over && !satisfied && !entry.has_started() {
                 self.never_runs(dependant, gone(id));
             }
         }
-    }
-
-    /// An occurrence has failed or was aborted: the task that cleans up after
-    /// it is due. If it is at work it has to do so once more.
-    pub(crate) fn clean_up(&mut self, index: u32) {
-        let cleanup = self.entry(index).and_then(|entry| entry.task.cleanup);
-        let Some(index) = cleanup.and_then(|id| self.manager.by_id.get(&id).copied()) else {
-            return;
-        };
-        let Some(entry) = self.entry_mut(index).filter(|entry| entry.cleans_up) else { return };
-        if entry.is_resting() {
-            self.begin_cleaning(index);
-        } else {
-            entry.next = entry.current.saturating_add(2);
-        }
-    }
-
-    /// A task that cleans up has done so, and waits for the next time; that may
-    /// have come meanwhile.
-    pub(crate) fn rest(&mut self, index: u32) {
-        let Some(entry) = self.entry_mut(index) else { return };
-        let once_more = entry.next > entry.current.saturating_add(1);
-        entry.current = entry.current.saturating_add(1);
-        entry.next = entry.current;
-        if once_more {
-            self.begin_cleaning(index);
-        }
-    }
-
-    pub(crate) fn begin_cleaning(&mut self, index: u32) {
-        let now = self.now;
-        let Some(entry) = self.entry_mut(index) else { return };
-        entry.next = entry.current.saturating_add(1);
-        entry.attempts = 0;
-        entry.failures = 0;
-        entry.saved = false;
-        entry.arrival = now.elapsed;
-        entry.due = Point::elapsed(now.elapsed);
-        entry.run = Run::new();
-        entry.told = None;
-        if entry.is_ready() {
-            self.enter(index);
-        }
-    }
-}
-
-impl super::entry::Entry {
-    /// A task that cleans up and has nothing to clean up: its next occurrence
-    /// has not begun.
-    pub(crate) const fn is_resting(&self) -> bool {
-        self.cleans_up && self.next == self.current
     }
 }

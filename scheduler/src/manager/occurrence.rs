@@ -226,12 +226,18 @@ impl Step<'_> {
     /// No occurrence will come.
     pub(crate) fn over(&mut self, index: u32) {
         self.tell_missed(index);
-        if let Some(entry) = self.entry_mut(index) {
-            entry.place = Place::Over;
-            self.manager.open = self.manager.open.saturating_sub(1);
-            self.manager.ended.push_back(index);
-        }
+        self.is_over(index);
         self.forget_the_first();
+    }
+
+    pub(crate) fn is_over(&mut self, index: u32) {
+        let Some(entry) = self.entry_mut(index) else { return };
+        entry.place = Place::Over;
+        if !core::mem::replace(&mut entry.cleans_up, false) {
+            self.manager.open = self.manager.open.saturating_sub(1);
+        }
+        self.manager.ended.push_back(index);
+        self.needs_no_cleanup(index);
     }
 
     /// Tasks that are over make room for those that ended later. Nobody misses

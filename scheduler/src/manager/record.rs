@@ -120,4 +120,19 @@ pub enum Record {
         /// Whether it was entered.
         entered: bool,
     },
+    /// A task runs, and leaves the schedule when it has ended: it does not come
+    /// again.
+    Leaving {
+        /// Which task.
+        task: TaskId,
+        /// How many tasks of this id were there before.
+        load: u32,
+    },
+    /// A task runs when another one failed, and never by itself.
+    CleansUp {
+        /// Which task.
+        task: TaskId,
+        /// How many tasks of this id were there before.
+        load: u32,
+    },
 }

@@ -1,13 +1,10 @@
 //! Going on where a journal ends.
 
-use std::collections::HashSet;
-
 use crate::manager::admit::Admission;
-use crate::manager::entry::Place;
 use crate::manager::point::Present;
 use crate::manager::step::Step;
 use crate::manager::{Attempt, Exit, Note, Record, Restored, RestoredTask};
-use crate::task::{Outcome, Preemption, Restart, TaskId};
+use crate::task::{Outcome, Preemption, Restart};
 
 /// What the journal says of a task, beside the task.
 #[derive(Clone, Copy, Debug)]
@@ -18,6 +15,7 @@ struct Past {
     interrupted: Option<Attempt>,
     may_have_started: bool,
     has_to_clean: bool,
+    cleans_up: bool,
 }
 
 impl Step<'_> {
@@ -30,18 +28,16 @@ impl Step<'_> {
             // One that the mission does not have any more is not in force.
             let _ = self.enter_mode(&mode);
         }
-        let cleaning: HashSet<TaskId> =
-            restored.tasks.iter().filter_map(|restored| restored.task.cleanup).collect();
         let tasks: Vec<_> = restored.tasks.into_iter().map(|task| self.put_back(task)).collect();
-        for (index, _) in &tasks {
-            let id = self.entry(*index).map(|entry| entry.task.id);
-            if id.is_some_and(|id| cleaning.contains(&id)) {
+        for (index, past) in &tasks {
+            if past.cleans_up && !past.over {
                 self.make_clean_up(*index);
             }
             self.depend(*index);
         }
         for (index, past) in &tasks {
             self.go_on_from(*index, *past);
+            self.may_retire(*index);
         }
         self.forget_the_first();
         self.decide();
@@ -57,21 +53,21 @@ impl Step<'_> {
             interrupted: restored.interrupted,
             may_have_started: restored.may_have_started,
             has_to_clean: restored.has_to_clean,
+            cleans_up: restored.cleans_up,
         };
         let wall = accepted.as_micros();
         let ago = self.now.wall.saturating_sub(wall);
         let accepted = Present { elapsed: self.now.elapsed.saturating_sub(ago), wall };
         let index = self.insert(task, Admission { load, position, accepted, held });
-        if let Some(entry) = self.entry_mut(index)
-            && entry.satisfied.len() == satisfied.len()
-        {
-            entry.satisfied = satisfied;
-        }
-        if let Some(entry) = self.entry_mut(index).filter(|_| over) {
+        if let Some(entry) = self.entry_mut(index) {
             entry.last = ended.map(|(_, outcome)| outcome);
-            entry.place = Place::Over;
-            self.manager.open = self.manager.open.saturating_sub(1);
-            self.manager.ended.push_back(index);
+            entry.removed = restored.leaving;
+            if entry.satisfied.len() == satisfied.len() {
+                entry.satisfied = satisfied;
+            }
+        }
+        if over {
+            self.is_over(index);
         }
         (index, past)
     }
@@ -84,12 +80,16 @@ impl Step<'_> {
         if let Some(why) = self.manager.can_never_run(entry) {
             return self.never_runs(index, why);
         }
+        let (id, leaves) = (entry.task.id, entry.removed);
         let first = entry.first_number(entry.accepted);
         let number = past.ended.map_or(first, |(last, _)| last.saturating_add(1));
         let never = self.look_back(index);
         if past.interrupted.is_some() || past.may_have_started || past.attempts > 0 {
             // It depended on others until it began.
             self.go_on_with(index, number, past);
+        } else if leaves {
+            self.note(Note::Removed(id));
+            self.take_out(index);
         } else if let Some(why) = never {
             self.never_runs(index, why);
         } else if self.entry(index).is_some_and(|entry| entry.cleans_up) {

@@ -46,4 +46,9 @@ pub struct RestoredTask {
     /// Which of its dependencies were satisfied and not used, in the task's
     /// order. (One on a task that is over is judged by how that ended.)
     pub satisfied: Vec<bool>,
+    /// Whether it leaves the schedule when the attempt that began has ended.
+    pub leaving: bool,
+    /// Whether it runs when another one failed, and never by itself. Such a
+    /// task is not over when it ran.
+    pub cleans_up: bool,
 }

@@ -50,17 +50,25 @@ impl Step<'_> {
 
     /// Takes a task out; a body is ended first.
     fn discard(&mut self, index: u32, why: &str) {
-        let Some(entry) = self.entry_mut(index) else { return };
+        let Some(entry) = self.entry(index) else { return };
         let id = entry.task.id;
         if entry.place == Place::Over {
             return self.take_out(index);
         }
         if entry.run.has_body() {
-            entry.removed = true;
+            self.leaves(index);
             return self.abort(index, why);
         }
         self.note(Note::Removed(id));
         self.take_out(index);
+    }
+
+    /// It goes when its body has ended, whoever is the manager then.
+    fn leaves(&mut self, index: u32) {
+        let Some(entry) = self.entry_mut(index).filter(|entry| !entry.removed) else { return };
+        entry.removed = true;
+        let (task, load) = (entry.task.id, entry.load);
+        self.write(Record::Leaving { task, load });
     }
 
     /// Drops what is pending; with `all` ends what runs, too. The attempt that
@@ -72,17 +80,19 @@ impl Step<'_> {
         let cleaning: Vec<TaskId> =
             indexes.iter().filter_map(stays).filter_map(|entry| entry.task.cleanup).collect();
         for index in indexes {
-            let Some(entry) = self.entry_mut(index) else { continue };
+            let Some(entry) = self.entry(index) else { continue };
             if entry.is_resting() && cleaning.contains(&entry.task.id) {
                 continue;
             }
             if Some(index) == by {
-                entry.removed = entry.is_routine();
+                if entry.is_routine() {
+                    self.leaves(index);
+                }
             } else if all || !entry.run.has_body() {
                 self.discard(index, "cleared");
             } else {
                 // What runs goes on, and is not run again.
-                entry.removed = true;
+                self.leaves(index);
             }
         }
         self.act(Action::Sync);

@@ -62,7 +62,7 @@ pub(crate) fn any(random: &mut fastrand::Rng) -> Record {
         number: random.u64(0..3),
     };
     let attempt = Attempt { occurrence, number: random.u32(1..4) };
-    match random.u8(0..15) {
+    match random.u8(0..17) {
         0 | 1 => accepted_as(any_task(number, random), occurrence.load, random.u64(0..40)),
         2 => Record::Changed { task: Box::new(any_task(number, random)), held: random.bool() },
         3 => Record::Removed { task: id(number), load: occurrence.load },
@@ -73,6 +73,8 @@ pub(crate) fn any(random: &mut fastrand::Rng) -> Record {
         12 => Record::Over { attempt, outcome: Some(Outcome::Aborted) },
         13 => Record::Paused { attempt, paused: random.bool() },
         11 => ended_any(occurrence, random),
+        14 => Record::Leaving { task: id(number), load: occurrence.load },
+        15 => Record::CleansUp { task: id(number), load: occurrence.load },
         _ => Record::Mode { name: format!("mode {}", random.u8(0..3)), entered: random.bool() },
     }
 }

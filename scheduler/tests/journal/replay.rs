@@ -74,8 +74,11 @@ fn a_one_shot_that_ended_is_over_and_a_routine_task_is_not() {
 #[test]
 fn a_cleanup_task_is_not_over_when_it_ran() {
     let cleaned = Task { cleanup: Some(id(2)), ..routine(1) };
-    let restored = replay([accepted(cleaned), accepted(task(2)), ended(2, Outcome::Succeeded)]);
-    assert!(!restored.tasks[1].over);
+    let cleans_up = Record::CleansUp { task: id(2), load: 0 };
+    let records = [accepted(cleaned), accepted(task(2)), cleans_up, ended(2, Outcome::Succeeded)];
+    let restored = replay(records);
+    assert!(!restored.tasks[1].over && restored.tasks[1].cleans_up);
+    assert!(!restored.tasks[0].cleans_up);
 }
 
 /// From the failure until the cleanup begins; a success asks for none.
@@ -154,4 +157,31 @@ fn any_bytes_are_replayed() {
         read += replay_bytes(&bytes).tasks.len();
     }
     assert!(read > 100, "only {read} tasks were read");
+}
+
+#[test]
+fn one_that_leaves_is_there_until_its_body_has_ended_and_does_not_come_again() {
+    let leaving = Record::Leaving { task: id(1), load: 0 };
+    let records = [accepted(routine(1)), starting(1), leaving];
+    let kept = only(records.clone());
+    assert!(kept.leaving && !kept.over);
+    let gone = [over(1), ended(1, Outcome::Aborted), removed(1)];
+    assert!(replay(records.into_iter().chain(gone)).tasks.is_empty());
+}
+
+#[test]
+fn what_was_said_of_a_task_is_not_true_of_the_next_one_of_its_id() {
+    let said = |load| {
+        let (task, marks) = (id(1), accepted_as(task(1), 1, 2));
+        let marked = [Record::Leaving { task, load }, Record::CleansUp { task, load }];
+        let kept = only([accepted(crate::records::task(1)), marks].into_iter().chain(marked));
+        (kept.leaving, kept.cleans_up)
+    };
+    assert_eq!((said(0), said(1)), ((false, false), (true, true)));
+    let task = id(1);
+    let marks = [Record::Leaving { task, load: 0 }, Record::CleansUp { task, load: 0 }];
+    let next = accepted_as(crate::records::task(1), 1, 2);
+    let records = core::iter::once(accepted(crate::records::task(1))).chain(marks).chain([next]);
+    let kept = only(records);
+    assert!(!kept.leaving && !kept.cleans_up);
 }

@@ -165,3 +165,49 @@ fn a_routine_task_whose_prior_was_removed_while_it_ran_never_runs_again() {
     );
     assert!(world.manager().is_over());
 }
+
+fn cleaned(number: u32, takes: f64) -> Task {
+    task(number, takes).with(|task| task.cleanup = Some(id(9)))
+}
+
+fn shown(world: &World) -> Vec<u32> {
+    world.manager().status().map(|status| status.occurrence.task.get()).collect()
+}
+
+#[test]
+fn a_cleanup_stays_as_long_as_somebody_may_need_it() {
+    let mut world = World::of([cleaned(1, 1.0), cleaned(2, 5.0), task(9, 1.0)]);
+    world.until(2.0);
+    assert_eq!(shown(&world), [1, 2, 9]);
+    world.until(9.0);
+    assert_eq!(shown(&world), [1, 2], "nobody can fail any more");
+    world.add([cleaned(1, 1.0), task(9, 1.0)]);
+    world.ask(Telecommand::Remove(vec![id(1)]));
+    world.until(20.0);
+    assert_eq!(world.lines(&["task 9 attempt 1 started"]), ["9.000 task 9 attempt 1 started"]);
+    assert_eq!(shown(&world), [2, 9], "it ran, and how it ended is told");
+    world.add([cleaned(1, 1.0), task(9, 1.0)]);
+    assert_eq!(shown(&world), [2, 1, 9]);
+}
+
+#[test]
+fn a_cleanup_that_comes_in_place_of_another_one_cleans_up() {
+    let mut world = World::of([cleaned(1, 60.0), task(9, 1.0)]);
+    world.until(1.0);
+    world.ask(Telecommand::Remove(vec![id(9)]));
+    world.add([task(9, 2.0)]);
+    world.until(5.0);
+    assert!(world.lines(&["task 9 attempt"]).is_empty(), "there is nothing to clean up");
+    world.ask(Telecommand::Remove(vec![id(1)]));
+    world.until(60.0);
+    assert_eq!(world.lines(&["task 9 attempt 1 started"]), ["5.000 task 9 attempt 1 started"]);
+}
+
+#[test]
+fn a_chain_of_cleanups_as_long_as_the_schedule_goes_when_nobody_needs_it() {
+    let length = 20_000;
+    let chain = (1..=length).map(|n| task(n, 1.0).with(|task| task.cleanup = Some(id(n + 1))));
+    let mut world = World::of(chain.chain([task(length + 1, 1.0)]));
+    world.until(5.0);
+    assert_eq!(shown(&world).len(), 1);
+}

@@ -155,6 +155,8 @@ fn restored(task: Task) -> RestoredTask {
         may_have_started: false,
         has_to_clean: false,
         satisfied: vec![],
+        leaving: false,
+        cleans_up: false,
     }
 }
 
@@ -256,7 +258,9 @@ fn a_held_task_stays_held_and_an_ended_one_ended() {
 fn a_cleanup_is_not_forgotten() {
     let cleaned = task(1, 5.0).with(|task| task.cleanup = Some(id(9)));
     let pair = |cleaned: RestoredTask, has_to_clean| {
-        let cleanup = RestoredTask { position: 1, has_to_clean, ..restored(task(9, 1.0)) };
+        let cleans_up = true;
+        let cleanup =
+            RestoredTask { position: 1, has_to_clean, cleans_up, ..restored(task(9, 1.0)) };
         let tasks = vec![cleaned, cleanup];
         let restored = Restored { tasks, modes: vec![], next_position: 2 };
         let mut world = World::restored(Mission::default(), restored, 10);
@@ -348,4 +352,88 @@ fn what_was_missed_while_the_manager_was_away_is_an_outcome_too() {
     let mut world = interrupted([routine, dependant], 5.0, 35);
     world.until(4.0);
     assert_eq!(world.lines(&["started"]), ["0.000 task 2 attempt 1 started"]);
+}
+
+/// What a manager writes until it dies, which does these at 0 s.
+fn written(tasks: Vec<Task>, steps: Vec<Vec<Event>>) -> Vec<Record> {
+    let mut manager = Manager::new(Mission::default());
+    let additions = tasks.into_iter().map(|task| Addition { task }).collect();
+    let telecommand = Telecommand::Add(additions);
+    let add = Event::Telecommand { id: TelecommandId(0), telecommand };
+    let now = Now { wall: UnixTime::from_secs(BEGAN), ..Now::default() };
+    let mut actions = Vec::new();
+    for events in [vec![add]].into_iter().chain(steps) {
+        manager.step(now, events, &mut actions);
+    }
+    let records = actions.into_iter().filter_map(|action| match action {
+        Action::Journal(record) => Some(record),
+        _ => None,
+    });
+    records.collect()
+}
+
+fn command(telecommand: Telecommand) -> Vec<Event> {
+    vec![Event::Telecommand { id: TelecommandId(1), telecommand }]
+}
+
+/// It was told to end, and the manager died before it had.
+#[test]
+fn one_that_was_removed_while_it_ran_does_not_come_back() {
+    let restart = Restart::OnFailure { limit: 9, back_off: seconds(1.0) };
+    let tried = || task(1, 60.0).with(|task| task.restart = restart);
+    let cleaned = tried().every(100.0).with(|task| task.cleanup = Some(id(9)));
+    for (tasks, cleans) in [(vec![tried()], 0), (vec![cleaned, task(9, 1.0)], 1)] {
+        let steps = vec![vec![granted()], command(Telecommand::Remove(vec![id(1)]))];
+        let restored = replay(written(tasks, steps));
+        let mut world = World::restored(Mission::default(), restored, 5);
+        world.until(500.0);
+        assert!(world.lines(&["task 1 attempt 2", "task 1 occurrence"]).is_empty());
+        assert_eq!(world.lines(&["task 9 attempt 1 started"]).len(), cleans);
+        assert!(world.manager().is_over(), "{:#?}", world.log.lines);
+    }
+}
+
+#[test]
+fn what_ran_when_the_schedule_was_cleared_does_not_come_again() {
+    let routine = vec![task(1, 60.0).every(100.0)];
+    let steps = vec![vec![granted()], command(Telecommand::Clear { all: false })];
+    let restored = replay(written(routine, steps));
+    let mut world = World::restored(Mission::default(), restored, 5);
+    world.until(500.0);
+    assert_eq!(world.lines(&["task 1 failed"]).len(), 1, "it was interrupted");
+    assert!(world.lines(&["started"]).is_empty());
+    assert!(world.manager().is_over());
+}
+
+#[test]
+fn a_cleanup_never_starts_by_itself_whoever_is_left_after_a_restart() {
+    let cleaned = task(1, 1.0).at(100.0).with(|task| task.cleanup = Some(id(9)));
+    let mut world = World::of([cleaned, task(9, 1.0)]);
+    world.ask(Telecommand::Remove(vec![id(1)]));
+    let mut world = World::restored(Mission::default(), replay(world.journal.records), 10);
+    world.until(500.0);
+    assert!(world.lines(&["started"]).is_empty(), "{:#?}", world.log.lines);
+    assert_eq!(world.manager().status().count(), 0);
+}
+
+#[test]
+fn a_cleanup_that_was_never_needed_is_not_there_after_a_restart() {
+    let cleaned = task(1, 1.0).with(|task| task.cleanup = Some(id(9)));
+    let mut world = World::of([cleaned, task(9, 1.0)]);
+    world.until(5.0);
+    let world = World::restored(Mission::default(), replay(world.journal.records), 10);
+    let shown: Vec<_> = world.manager().status().map(|status| status.occurrence.task).collect();
+    assert_eq!(shown, [id(1)]);
+}
+
+/// One that only has the id of a cleanup is a task like any other.
+#[test]
+fn a_task_that_has_the_id_of_a_cleanup_that_is_over_starts_after_a_restart() {
+    let cleaned = task(1, 1.0).with(|task| task.cleanup = Some(id(9)));
+    let mut world = World::of([cleaned, task(9, 1.0)]);
+    world.until(5.0);
+    world.add([task(9, 1.0).at(100.0)]);
+    let mut world = World::restored(Mission::default(), replay(world.journal.records), 10);
+    world.until(500.0);
+    assert_eq!(world.lines(&["started"]).len(), 1, "{:#?}", world.log.lines);
 }
