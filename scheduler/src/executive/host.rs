@@ -13,7 +13,7 @@ use rustix::io::Errno;
 use crate::executive::{
     Bodies, Driver, HostClock, JournalSink, LoadedFile, Outside, Ports, TicketPort, Timers, Waker,
 };
-use crate::manager::{Attempt, Event, Manager, Reply, Restored, Telecommand};
+use crate::manager::{Attempt, Event, Manager, Reply, Restored, Telecommand, TelecommandId};
 use crate::mission::Mission;
 use crate::time::{Due, Instant, Now};
 
@@ -98,11 +98,26 @@ where
     /// As [`HostExecutive::run`].
     pub fn command(&mut self, telecommand: Telecommand) -> io::Result<Reply> {
         let id = self.driver.ask(telecommand);
+        self.answer(id)
+    }
+
+    /// The same for several at once, in their order: nothing is decided before
+    /// the last of them was taken in, so what the first makes room for does not
+    /// start before the second says that it is not to.
+    ///
+    /// # Errors
+    /// As [`HostExecutive::run`].
+    pub fn commands(&mut self, telecommands: Vec<Telecommand>) -> io::Result<Vec<Reply>> {
+        let asked: Vec<_> = telecommands.into_iter().map(|one| self.driver.ask(one)).collect();
+        asked.into_iter().map(|id| self.answer(id)).collect()
+    }
+
+    fn answer(&mut self, id: TelecommandId) -> io::Result<Reply> {
         loop {
-            self.turn()?;
             if let Some(reply) = self.driver.answered(id) {
                 return Ok(reply);
             }
+            self.turn()?;
         }
     }
 
