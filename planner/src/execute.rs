@@ -55,6 +55,9 @@ use crate::units::{Bytes, Span, Time};
 pub use outlook::Outlook;
 pub use ready::NotReady;
 
+pub(crate) use handover::{begin_next, with_what_runs};
+pub(crate) use ready::Look;
+
 /// How a plan is executed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {

@@ -43,7 +43,8 @@ fn filled(
     timed: &TimedPlan,
 ) -> Result<Timelines, UnknownTimeline> {
     let mut timelines = Timelines::new(plan, parameters, state);
-    for (order, window) in (plan.activities.len()..).zip(&state.windows) {
+    let windows = state.windows.iter().filter(|window| window.end > state.now);
+    for (order, window) in (plan.activities.len()..).zip(windows) {
         timelines.insert(&Claim::window(window, order), window.start);
     }
     for (order, activity, fate) in fates(plan, timed) {

@@ -35,8 +35,31 @@ pub struct State {
     pub ended: Vec<Ended>,
     /// Activities that run, or are paused.
     pub running: Vec<Running>,
-    /// Communication windows, as last queried.
+    /// Communication windows, as last queried. Those that are over stay here:
+    /// their data counts, as that of ended activities does.
     pub windows: Vec<Window>,
+}
+
+impl State {
+    /// The communication windows are these. One that is over and that nobody
+    /// lists any more has taken place all the same: what was sent in it is on
+    /// board no more.
+    pub fn queried(&mut self, windows: Vec<Window>) {
+        let known = std::mem::replace(&mut self.windows, windows);
+        let is_listed = |old: &Window| {
+            self.windows.iter().any(|new| (&new.name, new.start) == (&old.name, old.start))
+        };
+        let over = known.into_iter().filter(|old| old.end <= self.now && !is_listed(old));
+        let over: Vec<_> = over.collect();
+        self.windows.splice(..0, over);
+    }
+
+    /// What windows that are over have brought on board, or sent.
+    #[must_use]
+    pub fn exchanged(&self) -> i128 {
+        let over = self.windows.iter().filter(|window| window.end <= self.now);
+        over.map(|window| i128::from(window.data.get())).sum()
+    }
 }
 
 /// What the computer does.
@@ -100,7 +123,8 @@ pub struct Window {
     pub marginal: Milliwatts,
     /// Largest power.
     pub peak: Milliwatts,
-    /// What it adds to the data on board, at its end where it is negative.
+    /// What it adds to the data on board, at its end where it is negative; when
+    /// it is over, what it really added.
     pub data: Bytes,
     /// Sequence engines.
     pub engines: u32,

@@ -233,8 +233,9 @@ impl Timelines {
     }
 }
 
-/// What is on board now: what ended ones made, and of a running one what it will
-/// have made, if that is more than what it has.
+/// What is on board now: what ended ones made, less what was sent in windows that
+/// are over, and of a running one what it will have made, if that is more than
+/// what it has.
 fn on_board(plan: &Plan, state: &State) -> i128 {
     let ended = state.ended.iter().map(|ended| i128::from(ended.data.get()));
     let running = state.running.iter().map(|running| {
@@ -242,7 +243,7 @@ fn on_board(plan: &Plan, state: &State) -> i128 {
         let modelled = activity.map_or(i64::MIN, |activity| activity.data.get());
         i128::from(modelled.max(running.data.get()))
     });
-    ended.chain(running).sum()
+    state.exchanged() + ended.chain(running).sum::<i128>()
 }
 
 fn bits(claim: &Claim) -> impl Iterator<Item = u8> + use<> {

@@ -21,10 +21,12 @@ pub(crate) fn data(scene: &Scene<'_>, placed: &[Placed]) -> Steps {
     }
     let placed = placed.iter().filter(|placed| !matches!(placed.how, How::Runs { .. }));
     let claims = placed.map(|p| (p.start, p.end, scene.activity(p.index).data.get()));
-    let windows = scene.state.windows.iter().filter(|window| window.end.get() > now);
+    // Those that are over have sent what they say.
+    let windows = scene.state.windows.iter();
     let windows = windows.map(|w| (w.start.get(), w.end.get(), w.data.get()));
     for (start, end, amount) in claims.chain(windows) {
-        changes.add(if amount < 0 { end } else { start.max(now) }, i128::from(amount));
+        let at = if amount < 0 { end } else { start };
+        changes.add(at.max(now), i128::from(amount));
     }
     changes.from(now)
 }

@@ -1,6 +1,6 @@
 //! What happened, taken in.
 
-use super::{Action, Control, Event, NextPlan};
+use super::{Action, Control, Event, NextPlan, with_what_runs};
 use crate::plan::{ActivityId, Kind, Outcome};
 use crate::state::Mode;
 use crate::timed::{Fate, TimedPlan};
@@ -29,7 +29,7 @@ impl Control {
             Event::Data(id, data) => self.count(id, data),
             Event::Mode(mode) => self.mode_is(mode),
             Event::Windows(windows) => {
-                self.state.windows = windows;
+                self.state.queried(windows);
                 self.wish(Why::Windows);
             }
             Event::Veto(id) => {
@@ -132,8 +132,10 @@ impl Control {
             return;
         }
         self.next_plan = NextPlan::None;
-        match answer.and_then(|next| self.with_what_runs(next)) {
-            Ok(plan) => self.hand_over_to(plan),
+        let merged =
+            |next: std::sync::Arc<crate::Plan>| with_what_runs(&next, &self.plan, &self.state);
+        match answer.and_then(merged) {
+            Ok(plan) => self.hand_over_to(std::sync::Arc::new(plan)),
             Err(why) => self.actions.push(Action::NoNextPlan(why)),
         }
     }

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use super::{Action, Control, NextPlan, book};
-use crate::plan::Plan;
+use crate::plan::{Activity, Plan};
+use crate::state::State;
 use crate::timed::TimedPlan;
 use crate::trace::{Unstarted, Why};
 
@@ -19,22 +20,6 @@ impl Control {
         }
     }
 
-    /// The next plan, with the definitions of what runs: it stays, with its own
-    /// cutoff.
-    pub(super) fn with_what_runs(&self, next: Arc<Plan>) -> Result<Arc<Plan>, String> {
-        if next.end <= self.now() {
-            return Err("the next plan is over already".to_owned());
-        }
-        let mut merged = Plan::clone(&next);
-        for running in &self.state.running {
-            if next.activities.iter().any(|activity| activity.id == running.id) {
-                return Err(format!("the next plan uses the number of {}, which runs", running.id));
-            }
-            merged.activities.extend(self.activity(running.id).cloned());
-        }
-        Ok(Arc::new(merged))
-    }
-
     pub(super) fn hand_over_to(&mut self, next: Arc<Plan>) {
         let open: Vec<_> = self.plan.activities.iter().map(|activity| activity.id).collect();
         for id in open {
@@ -45,7 +30,7 @@ impl Control {
         }
         self.plan = next;
         self.index = book::index(&self.plan);
-        self.state.ended.clear();
+        begin_next(&mut self.state);
         self.planned.clear();
         self.timed = TimedPlan::default();
         if self.plan.next_plan.is_some() {
@@ -54,4 +39,33 @@ impl Control {
         self.actions.push(Action::HandedOver);
         self.wish(Why::HandOver);
     }
+}
+
+/// The next plan, with the definitions of what runs: it stays, with its own
+/// cutoff.
+///
+/// # Errors
+/// Why it cannot take over.
+pub(crate) fn with_what_runs(next: &Plan, plan: &Plan, state: &State) -> Result<Plan, String> {
+    if next.end <= state.now {
+        return Err("the next plan is over already".to_owned());
+    }
+    let mut merged = next.clone();
+    for running in &state.running {
+        if next.activities.iter().any(|activity| activity.id == running.id) {
+            return Err(format!("the next plan uses the number of {}, which runs", running.id));
+        }
+        let known = plan.activities.iter().find(|activity| activity.id == running.id);
+        // What it depended on is in the plan before, and so is its group.
+        let known = known.cloned().map(|one| Activity { after: Vec::new(), group: None, ..one });
+        merged.activities.extend(known);
+    }
+    Ok(merged)
+}
+
+/// What has ended is not the next plan's: neither outcomes nor data.
+pub(crate) fn begin_next(state: &mut State) {
+    let now = state.now;
+    state.ended.clear();
+    state.windows.retain(|window| window.end > now);
 }

@@ -127,8 +127,10 @@ impl<'a> Outlook<'a> {
                 running.data.get().max(modelled)
             })
             .sum();
-        let windows = self.state.windows.iter().filter(|window| window.end <= now);
-        let windows: i64 = windows.map(|window| window.data.get().min(0)).sum();
+        let windows = self.state.windows.iter().filter(|window| window.start <= now);
+        // One in progress has what it brings, and has sent nothing yet.
+        let counts = |data: i64, over: bool| if over { data } else { data.max(0) };
+        let windows: i64 = windows.map(|window| counts(window.data.get(), window.end <= now)).sum();
         let total = ended.saturating_add(running).saturating_add(windows);
         let fits = total.saturating_add(activity.data.get()) <= self.plan.max_delta_data.get();
         if fits { Ok(()) } else { Err(Limit::Data) }

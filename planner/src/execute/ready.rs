@@ -1,11 +1,14 @@
 //! What is checked before an activity starts, with what is known now.
 
+use std::collections::BTreeMap;
+
 use super::Control;
 use super::outlook::Outlook;
-use crate::plan::{Activity, ActivityId, Condition, Kind, Variable};
-use crate::state::Mode;
-use crate::timed::{Limit, Slot};
+use crate::plan::{Activity, ActivityId, Condition, Kind, Outcome, Variable};
+use crate::state::{Mode, Running, State};
+use crate::timed::{Limit, Slot, TimedPlan};
 use crate::units::{Span, Time};
+use crate::{Parameters, Plan};
 
 /// Why an activity cannot start now.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -28,9 +31,41 @@ pub enum NotReady {
     Spent,
 }
 
+/// What is known when something may start. Who executes a plan asks it, whether
+/// by actions or by the schedule manager.
+#[derive(Clone, Copy)]
+pub(crate) struct Look<'a> {
+    pub(crate) plan: &'a Plan,
+    pub(crate) parameters: &'a Parameters,
+    pub(crate) state: &'a State,
+    pub(crate) timed: &'a TimedPlan,
+    /// What is planned and has not started.
+    pub(crate) planned: &'a BTreeMap<ActivityId, Slot>,
+    /// Whether a zone is warm enough.
+    pub(crate) warm: &'a dyn Fn(&str) -> bool,
+    /// The charge has not recovered from the hard limit.
+    pub(crate) spent: bool,
+}
+
 impl Control {
     /// Whether an activity can start now, and when it would end.
     pub(super) fn ready(&self, id: ActivityId, slot: Slot, early: bool) -> Result<Slot, NotReady> {
+        let look = Look {
+            plan: &self.plan,
+            parameters: &self.parameters,
+            state: &self.state,
+            timed: &self.timed,
+            planned: &self.planned,
+            warm: &|zone| self.is_warm(zone),
+            spent: self.spent,
+        };
+        look.ready(id, slot, early)
+    }
+}
+
+impl Look<'_> {
+    /// Whether an activity can start now, and when it would end.
+    pub(crate) fn ready(&self, id: ActivityId, slot: Slot, early: bool) -> Result<Slot, NotReady> {
         let Some(activity) = self.activity(id) else { return Err(NotReady::Range) };
         let slot = self.slot_now(activity, slot).ok_or(NotReady::Range)?;
         if self.spent {
@@ -42,11 +77,27 @@ impl Control {
         self.priors_agree(activity)?;
         self.group_is_open(activity)?;
         self.conditions_hold(activity)?;
-        let cold = activity.zones.iter().find(|zone| !self.is_warm(zone));
+        let cold = activity.zones.iter().find(|zone| !(self.warm)(zone));
         cold.map_or(Ok(()), |zone| Err(NotReady::Zone(zone.clone())))?;
-        let outlook = Outlook::new(&self.plan, &self.parameters, &self.state, &self.timed);
-        outlook.admits(activity, slot, &self.planned, early).map_err(NotReady::Limit)?;
+        let outlook = Outlook::new(self.plan, self.parameters, self.state, self.timed);
+        outlook.admits(activity, slot, self.planned, early).map_err(NotReady::Limit)?;
         Ok(slot)
+    }
+
+    const fn now(&self) -> Time {
+        self.state.now
+    }
+
+    fn activity(&self, id: ActivityId) -> Option<&Activity> {
+        self.plan.activities.iter().find(|activity| activity.id == id)
+    }
+
+    fn running(&self, id: ActivityId) -> Option<&Running> {
+        self.state.running.iter().find(|running| running.id == id)
+    }
+
+    fn outcome(&self, id: ActivityId) -> Option<Outcome> {
+        self.state.ended.iter().find(|ended| ended.id == id).map(|ended| ended.outcome)
     }
 
     /// The same length from now, in the range that was planned or else in any

@@ -172,6 +172,10 @@ impl Make {
             state.windows.push(window);
         }
         clear_of_windows(plan, &state);
+        if self.chance(25) {
+            let gone = self.window(windows, now.before(self.span(110, 150)));
+            state.windows.insert(0, gone);
+        }
         state
     }
 
