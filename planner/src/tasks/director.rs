@@ -6,21 +6,28 @@
 //! [`Note`](faregate_scheduler::manager::Note) of the manager and what sensors
 //! say, calls [`Director::turn`] at each of these and at [`Director::due`], and
 //! gives the manager the telecommands that come out, in their order and before
-//! its next decision.
+//! its next decision: all of them at once, as
+//! [`commands`](faregate_scheduler::executive::HostExecutive::commands) does.
+//! Else what one of them makes room for could start before the next one says
+//! that it is not to.
 //!
 //! | what happens | what the director does |
 //! |---|---|
 //! | an activity starts, ends, fails, is missed | it runs, or has ended; if that is not as planned, a new plan |
+//! | something ended early, failed or did not start | what is planned next starts now, if nothing planned has to start later for it |
 //! | what cannot be paused loses its tickets | ABORTED: its task is removed, so that it does not run again; a new plan, with its cleanup |
 //! | heating is taken | the zone is cold: a new plan heats it from scratch |
 //! | a condition of what is planned does not hold | its task is held until it does |
 //! | windows change; a period is over; something runs too long | a new plan |
+//! | handover | the next plan takes over, if it is there |
 //!
 //! The manager decides by priorities alone. Limits of charge and data hold
 //! because the plan keeps them: what the manager starts is what is planned, when
 //! it is planned or, where tickets come late, before its start range closes.
 
 mod adopt;
+mod early;
+mod handover;
 mod heard;
 mod keep;
 
@@ -54,9 +61,14 @@ pub struct Director {
     /// Tasks that wait for a condition.
     held: BTreeSet<TaskId>,
     wishes: BTreeSet<Why>,
-    begin: Time,
-    /// What windows that are over have brought, or sent.
-    exchanged: BTreeMap<(Time, String), Bytes>,
+    /// Tasks that were taken out before anybody knew that they had started.
+    leaving: BTreeMap<TaskId, Live>,
+    /// Tasks that can start before their planned start: since when.
+    early: BTreeMap<TaskId, Time>,
+    /// Something ended before its planned end, and what comes next may start.
+    freed: bool,
+    starts_early: bool,
+    next_plan: NextPlan,
     planned_at: Time,
     /// When something is tried again that did not get what it needs.
     again_at: Option<Time>,
@@ -72,6 +84,14 @@ struct Live {
     closes: Time,
     /// Whether an attempt has started.
     started: bool,
+}
+
+/// Where the plan that follows is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum NextPlan {
+    Expected,
+    AskedFor,
+    None,
 }
 
 /// Why there is no new plan.
@@ -90,8 +110,11 @@ impl Director {
     pub fn new(setting: Setting, state: State) -> Self {
         Self {
             numbers: Numbers::above(&setting.plan),
-            begin: state.now,
-            exchanged: BTreeMap::new(),
+            leaving: BTreeMap::new(),
+            early: BTreeMap::new(),
+            freed: false,
+            starts_early: true,
+            next_plan: NextPlan::of(&setting.plan),
             planned_at: state.now,
             setting,
             state,
@@ -112,6 +135,12 @@ impl Director {
         Self { period, ..self }
     }
 
+    /// Nothing starts before its planned start.
+    #[must_use]
+    pub fn never_early(self) -> Self {
+        Self { starts_early: false, ..self }
+    }
+
     /// What the sensors say of the battery.
     pub fn charge(&mut self, charge: Microjoules) {
         self.state.charge = charge.min(self.state.capacity);
@@ -126,10 +155,12 @@ impl Director {
         }
     }
 
-    /// The communication windows are these.
+    /// The communication windows are these. Those that are over stay known,
+    /// listed or not: what was sent in them is on board no more.
     pub fn windows(&mut self, windows: Vec<Window>) {
-        if self.state.windows != windows {
-            self.state.windows = windows;
+        let known = self.state.windows.clone();
+        self.state.queried(windows);
+        if self.state.windows != known {
             self.wish(Why::Windows);
         }
     }
@@ -163,7 +194,8 @@ impl Director {
     pub fn turn(&mut self, now: Time) -> Result<Vec<Telecommand>, NotPlanned> {
         self.state.now = now;
         self.look_at_the_time();
-        self.look_at_windows();
+        self.give_up_early_starts();
+        self.start_early();
         let made = if self.is_planning_time() { self.plan_anew() } else { Ok(()) };
         made.map(|()| std::mem::take(&mut self.orders))
     }
@@ -174,7 +206,11 @@ impl Director {
         let periodic = self.planned_at.after(self.period);
         let late = self.state.running.iter().filter(|one| one.paused.is_none());
         let late = late.map(|one| one.ends.max(self.looked_at_again()));
-        late.chain([periodic]).chain(self.again_at).min().unwrap_or(periodic)
+        let early = self.early.values().map(|since| self.early_until(*since));
+        let handover = (self.next_plan == NextPlan::Expected).then_some(self.setting.plan.handover);
+        let handover = handover.filter(|at| *at > self.state.now);
+        let others = early.chain(handover).chain([periodic]).chain(self.again_at);
+        late.chain(others).min().unwrap_or(periodic)
     }
 
     /// What is so now, as far as is known: what a plan is made from.
@@ -198,10 +234,12 @@ impl Director {
         self.wishes.insert(why);
     }
 
-    /// Nobody plans in sleep; the first plan is made before.
+    /// Nobody plans in sleep; the first plan is made before. Who is about to
+    /// start early is planned around when it has started.
     fn is_planning_time(&self) -> bool {
-        self.wishes.contains(&Why::First)
-            || self.state.mode == Mode::Awake && !self.wishes.is_empty()
+        let is_up = self.state.mode == Mode::Awake && self.early.is_empty();
+        let is_over = self.state.now >= self.setting.plan.end;
+        self.wishes.contains(&Why::First) || is_up && !is_over && !self.wishes.is_empty()
     }
 
     fn look_at_the_time(&mut self) {
@@ -225,31 +263,16 @@ impl Director {
 
     fn plan_anew(&mut self) -> Result<(), NotPlanned> {
         let Setting { plan, parameters, .. } = &self.setting;
-        let problem = Problem::new(plan, parameters, &self.known()).map_err(NotPlanned::Unfit)?;
+        let problem = Problem::new(plan, parameters, &self.state).map_err(NotPlanned::Unfit)?;
         let is_first = self.wishes.contains(&Why::First);
         let incumbent = (!is_first).then(|| self.incumbent());
         let timed = schedule(&problem, incumbent.as_ref());
-        self.adopt(timed).map_err(NotPlanned::Misfit)
-    }
-
-    fn look_at_windows(&mut self) {
-        let (begin, now) = (self.begin, self.state.now);
-        let over = self.state.windows.iter().filter(|one| begin < one.end && one.end <= now);
-        for window in over {
-            self.exchanged.insert((window.end, window.name.clone()), window.data);
-        }
-    }
-
-    /// The state as the planner counts data: what was sent is on board no more.
-    /// A window that is over counts nothing there, and only the sum of what has
-    /// ended does.
-    fn known(&self) -> State {
-        let mut state = self.state.clone();
-        if let Some(ended) = state.ended.first_mut() {
-            let all = self.exchanged.values().map(|data| data.get());
-            ended.data = Bytes::new(all.fold(ended.data.get(), i64::saturating_add));
-        }
-        state
+        let made_room = self.wishes.iter().any(|why| early::makes_room(*why));
+        self.adopt(timed).map_err(NotPlanned::Misfit)?;
+        // What the new plan brings next may start, too.
+        self.freed |= made_room;
+        self.start_early();
+        Ok(())
     }
 
     fn activity(&self, id: TaskId) -> Option<&Activity> {

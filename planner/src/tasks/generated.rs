@@ -23,6 +23,10 @@ pub(super) enum Generated {
     Window(String, Time),
 }
 
+/// The first number of a task that is no activity, where the plan's are below:
+/// so that the numbers of the next plan's activities are free.
+const FIRST: u32 = 1_000_000;
+
 /// Numbers of tasks that are no activities: above those of the plan, and never
 /// used for anything else.
 #[derive(Clone, Debug, Default)]
@@ -34,7 +38,8 @@ pub(super) struct Numbers {
 impl Numbers {
     pub(super) fn above(plan: &Plan) -> Self {
         let last = plan.activities.iter().map(|activity| activity.id.get()).max();
-        Self { next: last.map_or(1, |last| last.saturating_add(1)), ids: BTreeMap::new() }
+        let next = last.map_or(1, |last| last.saturating_add(1));
+        Self { next: next.max(FIRST), ids: BTreeMap::new() }
     }
 
     pub(super) fn id(&mut self, what: &Generated) -> Result<TaskId, Vec<Misfit>> {

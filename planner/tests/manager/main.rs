@@ -2,7 +2,9 @@
 //! is planned, and what becomes of it comes back.
 #![expect(clippy::unwrap_used, reason = "what a test needs and does not get fails the test")]
 
+mod early;
 mod fits;
+mod handover;
 #[cfg(target_os = "linux")]
 mod lamps;
 #[cfg(target_os = "linux")]

@@ -192,11 +192,12 @@ impl Bench {
     }
 
     fn turn(&mut self, now: Time) {
-        for order in self.director.turn(now).unwrap() {
-            let removes = matches!(order, Telecommand::Remove(_));
-            let reply = self.onboard.command(order).unwrap();
+        let orders = self.director.turn(now).unwrap();
+        let removes = |order: &Telecommand| matches!(order, Telecommand::Remove(_));
+        let removing: Vec<_> = orders.iter().map(removes).collect();
+        for (reply, removes) in self.onboard.commands(orders).unwrap().iter().zip(removing) {
             // What is over by now need not be removed.
-            assert!(reply == Reply::Done || removes, "{reply:?}");
+            assert!(*reply == Reply::Done || removes, "{reply:?}");
         }
     }
 

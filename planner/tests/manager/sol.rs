@@ -2,13 +2,14 @@
 
 use faregate_planner::plan::Outcome;
 use faregate_planner::timed::{Fate, TimedPlan};
-use faregate_planner::units::{Span, Time};
+use faregate_planner::units::{Bytes, Span, Time};
+use faregate_planner::{Plan, Problem, State, schedule};
 use faregate_scheduler::manager::{Exit, Note};
 use faregate_scheduler::task::{Body, Preemption, Task, TaskPriority};
 use faregate_scheduler::time::Duration;
 use faregate_tickets::amount::Milliwatts;
 
-use crate::stage::{Fates, Stage, adding, clock, ends_after, id, setting, task_id};
+use crate::stage::{Fates, Stage, adding, clock, ends_after, id, setting, state, task_id};
 
 fn scheduled(timed: &TimedPlan) -> Vec<(u32, Time)> {
     let rows = timed.rows.iter().filter_map(|row| match row.fate {
@@ -48,24 +49,6 @@ fn every_scheduled_activity_runs_in_its_slot_and_its_outcome_comes_back() {
 fn outcome(stage: &Stage, number: u32) -> Option<Outcome> {
     let ended = stage.director.state().ended.iter().find(|ended| ended.id == id(number));
     ended.map(|ended| ended.outcome)
-}
-
-#[test]
-fn an_early_end_pulls_the_next_one_in() {
-    let mut usual = Stage::new(Fates::new());
-    usual.until(clock(14, 0));
-    // The arm's camera is placed in 5 minutes instead of 25.
-    let fates = Fates::from([(7, ends_after(5, Exit::Code(0)))]);
-    let mut stage = Stage::new(fates);
-    stage.until(clock(14, 0));
-    assert_eq!(stage.refused(), [""; 0]);
-    let ended = clock(12, 5);
-    let commit = setting().parameters.commit;
-    assert_eq!(usual.start_of(8), Some(clock(12, 25)));
-    // What nobody can see ahead is not planned into the commit window.
-    assert_eq!(stage.start_of(8), Some(ended.after(commit)));
-    assert!(stage.plans.iter().any(|(at, _)| *at == ended), "a plan is made at once");
-    assert!(stage.start_of(11) < usual.start_of(11), "and what comes after that follows");
 }
 
 #[test]
@@ -219,4 +202,37 @@ fn a_failure_at_the_planned_end_is_planned_around_at_once() {
     let (at, timed) = stage.plans.last().unwrap();
     assert_eq!(*at, clock(10, 8));
     assert_eq!(timed.slot(id(4)), None, "the drive needs the images of hazards");
+}
+
+/// What a relay sent is on board no more: planned again after it, nothing is
+/// left out for want of room that is there.
+#[test]
+fn a_plan_after_a_relay_is_the_plan_with_that_data_gone() {
+    let mut stage = Stage::new(Fates::new());
+    let end = stage.plan().end;
+    let relays: Vec<_> = state().windows.iter().filter(|one| one.data.get() < 0).cloned().collect();
+    let last = relays.iter().map(|one| one.end).max().expect("the sol has relays");
+    let after = last.after(Span::new(1));
+    assert!(after < end);
+    stage.until(after);
+    assert_eq!(stage.refused(), [""; 0]);
+    let sent: i64 = relays.iter().map(|one| one.data.get()).sum();
+    let known = stage.director.state();
+    let planned = |plan: &Plan, state: &State| {
+        let problem = Problem::new(plan, &setting().parameters, state).unwrap();
+        schedule(&problem, None)
+    };
+    let now = planned(stage.plan(), known);
+    let mut gone = known.clone();
+    gone.windows.retain(|one| one.end > known.now);
+    let ended: i64 =
+        known.windows.iter().filter(|one| one.end <= known.now).map(|one| one.data.get()).sum();
+    assert_eq!(ended, sent, "all relays are over, and nothing else was exchanged");
+    let mut room = stage.plan().clone();
+    room.max_delta_data = Bytes::new(room.max_delta_data.get() - sent);
+    assert_eq!(now, planned(&room, &gone));
+    assert_eq!(now.slot(id(31)), stage.director.timed().slot(id(31)));
+    assert!(now.slot(id(31)).is_some(), "there is room for the clouds");
+    // The control: what was sent makes the difference.
+    assert_eq!(planned(stage.plan(), &gone).slot(id(31)), None);
 }

@@ -163,6 +163,13 @@ impl Stage {
         self.executive.manager()
     }
 
+    /// The present attempt of a task, or its first one.
+    pub(crate) fn attempt_of(&self, id: TaskId) -> Attempt {
+        let mut known = self.manager().status().map(|status| status.occurrence);
+        let occurrence = known.find(|one| one.task == id).expect("it is in the schedule");
+        Attempt { occurrence, number: 1 }
+    }
+
     pub(crate) fn plan(&self) -> &Plan {
         &self.setting.plan
     }

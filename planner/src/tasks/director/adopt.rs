@@ -59,12 +59,12 @@ impl Director {
         timed
     }
 
-    fn waits(&self, id: TaskId) -> bool {
+    pub(super) fn waits(&self, id: TaskId) -> bool {
         self.live.get(&id).is_some_and(|live| !live.started)
     }
 
     /// Engines of what has started, or has not.
-    fn engines(&self, started: bool) -> BTreeMap<TaskId, Categories> {
+    pub(super) fn engines(&self, started: bool) -> BTreeMap<TaskId, Categories> {
         let count = self.setting.parameters.engines;
         let all = engines::all(&self.setting.mission, count).unwrap_or_default();
         let all = all.into_iter().fold(Categories::NONE, Categories::union);
@@ -125,7 +125,7 @@ impl Director {
     /// Dependants first: who loses what it waits for is taken out by the manager
     /// itself. One telecommand for each: one that is over by now is refused
     /// alone.
-    fn remove(&mut self, mut removed: BTreeSet<TaskId>) {
+    pub(super) fn remove(&mut self, mut removed: BTreeSet<TaskId>) {
         while !removed.is_empty() {
             let live = removed.iter().filter_map(|id| self.live.get(id));
             let priors: BTreeSet<_> =
@@ -133,8 +133,10 @@ impl Director {
             let (now, later): (BTreeSet<_>, _) =
                 removed.into_iter().partition(|id| !priors.contains(id));
             for id in &now {
-                self.live.remove(id);
+                let live = self.live.remove(id);
+                self.leaving.extend(live.map(|live| (*id, live)));
                 self.held.remove(id);
+                self.early.remove(id);
                 self.orders.push(Telecommand::Remove(vec![*id]));
             }
             // Nothing comes after itself: the planner plans no circle.
@@ -156,6 +158,7 @@ impl Director {
         for task in &tasks {
             let closes = closes(self.setting.epoch, task);
             let live = Live { task: task.clone(), closes, started: false };
+            self.leaving.remove(&task.id);
             self.live.insert(task.id, live);
         }
         let additions = tasks.into_iter().map(|task| Addition { task }).collect();
@@ -175,7 +178,7 @@ impl Director {
         is_same_time && is_same
     }
 
-    fn is_activity(&self, id: TaskId) -> bool {
+    pub(super) fn is_activity(&self, id: TaskId) -> bool {
         self.activity(id).is_some()
     }
 
@@ -206,7 +209,7 @@ impl Director {
     }
 }
 
-fn start_of(epoch: Epoch, task: &Task) -> Time {
+pub(super) fn start_of(epoch: Epoch, task: &Task) -> Time {
     match task.windows.first().map(|window| window.opens) {
         Some(When::At(at)) => epoch.time(at),
         _ => Time::ZERO,

@@ -28,8 +28,10 @@ impl Director {
                     self.wish(Why::Overran(activity.id));
                 }
             }
+            Note::Removed(id) => {
+                self.leaving.remove(id);
+            }
             Note::Accepted(_)
-            | Note::Removed(_)
             | Note::Waits { .. }
             | Note::Stopping { .. }
             | Note::Over { .. }
@@ -38,7 +40,10 @@ impl Director {
         }
     }
 
+    /// Also one that the manager was told to take out at that very moment: it
+    /// ends it, and what has begun has begun.
     fn started(&mut self, id: TaskId) {
+        self.live.extend(self.leaving.remove(&id).map(|live| (id, live)));
         let Some(live) = self.live.get_mut(&id) else { return };
         live.started = true;
         match self.numbers.what(id).cloned() {
@@ -105,6 +110,7 @@ impl Director {
     fn over(&mut self, id: TaskId, outcome: TaskOutcome) {
         let Some(live) = self.live.remove(&id) else { return };
         self.held.remove(&id);
+        self.early.remove(&id);
         match self.numbers.what(id).cloned() {
             Some(what) if !live.started => self.phase_missed(&what),
             Some(what) => self.phase_over(what, outcome),
@@ -142,6 +148,7 @@ impl Director {
     fn never_runs(&mut self, id: TaskId) {
         let Some(live) = self.live.remove(&id) else { return };
         self.held.remove(&id);
+        self.early.remove(&id);
         match self.numbers.what(id).cloned() {
             Some(what) => self.phase_missed(&what),
             None if live.task.after.is_empty() => {

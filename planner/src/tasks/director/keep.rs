@@ -3,18 +3,22 @@
 use faregate_scheduler::task::TaskId;
 
 use super::Director;
+use super::adopt::start_of;
 use crate::plan::{ActivityId, Outcome};
 use crate::state::{Ended, Running};
 use crate::tasks::generated::Generated;
+use crate::timed::Slot;
 use crate::trace::Why;
-use crate::units::Bytes;
+use crate::units::{Bytes, Span};
 
 impl Director {
     pub(super) fn runs(&mut self, id: TaskId) {
         let now = self.state.now;
         let Some(activity) = self.activity(id) else { return };
-        let (id, zones) = (activity.id, activity.zones.clone());
-        let Some(slot) = self.timed.slot(id) else { return };
+        let (zones, task) = (activity.zones.clone(), id);
+        let id = activity.id;
+        let planned = self.timed.slot(id).or_else(|| self.slot_of(task));
+        let Some(slot) = planned else { return };
         let range = activity.starts.get(slot.range);
         let end = self.setting.plan.end;
         let cutoff = range.map_or(end, |range| range.cutoff.min(end));
@@ -27,6 +31,17 @@ impl Director {
         if now > slot.start.after(self.setting.parameters.handover_tolerance) {
             self.wish(Why::Late(id));
         }
+        if self.early.remove(&task).is_some() && now < slot.start {
+            self.wish(Why::StartedEarly(id));
+        }
+    }
+
+    /// When a task that the present plan has not got was to run.
+    fn slot_of(&self, id: TaskId) -> Option<Slot> {
+        let task = &self.live.get(&id)?.task;
+        let start = start_of(self.setting.epoch, task);
+        let length = i64::try_from(task.duration.as_micros() / 1_000).unwrap_or(i64::MAX);
+        Some(Slot { start, end: start.after(Span::new(length)), range: 0 })
     }
 
     /// A zone in use keeps itself warm: heating for it is over, if it is not for
@@ -74,9 +89,11 @@ impl Director {
         let data = if outcome == Outcome::Succeeded { modelled } else { running.data };
         self.state.ended.push(Ended { id, outcome, started, ended, data });
         if ended.after(self.setting.parameters.handover_tolerance) < running.ends {
+            self.freed = true;
             self.wish(Why::EndedEarly(id));
         }
         if outcome != Outcome::Succeeded {
+            self.freed = true;
             self.wish(Why::Outcome(id));
         }
     }
@@ -85,6 +102,7 @@ impl Director {
     pub(super) fn gives_up(&mut self, id: ActivityId) {
         let (outcome, ended) = (Outcome::NotStarted, self.state.now);
         self.state.ended.push(Ended { id, outcome, started: None, ended, data: Bytes::ZERO });
+        self.freed = true;
         self.wish(Why::NotStarted(id));
     }
 }
