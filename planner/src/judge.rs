@@ -81,3 +81,20 @@ impl Rest<'_> {
         broken
     }
 }
+
+/// Whether a world breaks nothing, of what depends on what is derived, that
+/// another one does not, or not so much: but for the minimum at handover, which
+/// some may break.
+pub(crate) fn keeps(problem: &Problem, (placed, world): (&Placed, &World), other: &World) -> bool {
+    let heats = placed.zones.iter().flat_map(|zone| zone.heats.iter().flatten());
+    let mut ends = heats.map(|heat| (heat.from, heat.to)).filter(|(from, to)| from < to);
+    let blocked = ends.any(|(from, to)| {
+        problem.blocks.iter().any(|block| from < block.to && block.from < to)
+    });
+    if blocked || world.late.iter().any(|&late| !other.has(late)) {
+        return false;
+    }
+    let mut look = Look::new(problem, other, false, false).listing();
+    Sweep::new(problem, Frame { placed, own: &NONE }, Reach::ALL, &mut look).run();
+    look.list.is_empty()
+}

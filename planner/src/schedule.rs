@@ -9,6 +9,7 @@ mod answer;
 mod begin;
 mod expand;
 mod improve;
+mod keep;
 pub(crate) mod place;
 mod worth;
 
@@ -26,17 +27,24 @@ use crate::timeline::{Claim, Timelines};
 /// Plans.
 ///
 /// With an incumbent, what it starts within the commit window is left alone,
-/// and nothing else starts in that time but what cleans up.
+/// and nothing else starts in that time but what cleans up. The answer is never
+/// worth less than the incumbent, as [`Worth`] compares them, where everything
+/// in that still fits at its time.
 ///
 /// # Timing
 ///
-/// For each candidate, a few derivations of everything that is placed.
+/// For each candidate, a few derivations of everything that is placed; twice
+/// that where the pass comes to less than the incumbent.
 #[must_use]
 pub fn schedule(problem: &Problem, incumbent: Option<&TimedPlan>) -> TimedPlan {
-    schedule_in_order(problem, problem.order(), incumbent).0
+    let (timed, _) = schedule_in_order(problem, problem.order(), incumbent);
+    match incumbent {
+        Some(incumbent) => keep::better_of(problem, incumbent, timed),
+        None => timed,
+    }
 }
 
-/// The same with the candidates in another order, as indices of the plan's
+/// One pass with the candidates in another order, as indices of the plan's
 /// activities; those that are not in it are left out. And how much work it was.
 #[must_use]
 pub fn schedule_in_order(
@@ -49,12 +57,7 @@ pub fn schedule_in_order(
         pass.turn(item);
     }
     pass.look_again(order);
-    loop {
-        pass.expand(order);
-        if !pass.look_again(order) {
-            break;
-        }
-    }
+    pass.finish(order);
     (pass.answer(), pass.effort)
 }
 
@@ -88,6 +91,17 @@ pub(crate) struct Pass<'a> {
 impl Pass<'_> {
     pub(crate) const fn rest(&self) -> Rest<'_> {
         Rest { problem: self.problem, placed: &self.placed, world: &self.world }
+    }
+
+    /// Makes longer what can be, and tries again what that may have made room
+    /// for: what lasts longer drains more, so that a sleep ends later.
+    fn finish(&mut self, order: &[usize]) {
+        loop {
+            self.expand(order);
+            if !self.look_again(order) {
+                break;
+            }
+        }
     }
 
     /// Tries those that were left out again, until none gets in. Whether one

@@ -6,13 +6,15 @@ use faregate_planner::timed::{AwakePhase, Excess, Fate, Preheat, Reason, Row, Sl
 use faregate_planner::{Parameters, Plan, State};
 
 use crate::candidates::{earliest, excesses, longer, order, range_of, ranges};
+use crate::kept::{keep, wanted, worth};
 use crate::scene::{Placed, Scene, block, time};
 use crate::unavoidable::unavoidable;
 use crate::valid::{Broken, Priors, broken, chosen, group_taken, priors};
 use crate::world::World;
 
 /// The plan of one pass, a second look and expansion, found by trying every
-/// millisecond.
+/// millisecond. With an incumbent, what that becomes, where the pass is worth
+/// less than it.
 ///
 /// # Timing
 ///
@@ -26,13 +28,21 @@ pub fn reference(
     incumbent: Option<&TimedPlan>,
 ) -> TimedPlan {
     let scene = Scene::new(plan, parameters, state, incumbent);
-    let mut pass = Pass::new(&scene);
     let order = order(&scene);
-    // What was expanded drains more, so that one that was left out may fit.
-    while pass.round(&order) {
-        while pass.round(&order) {}
-        for index in &order {
-            pass.expand(*index);
+    let mut pass = Pass::new(&scene);
+    pass.run(&order);
+    let Some(incumbent) = incumbent else { return pass.answer() };
+    let wanted = wanted(&scene, incumbent, &order);
+    let hoped: Vec<Placed> = scene.fixed.iter().chain(&wanted).copied().collect();
+    let is_less = |pass: &Pass<'_, '_>, than: &[Placed]| {
+        worth(&scene, &pass.world.placed) < worth(&scene, than)
+    };
+    if is_less(&pass, &hoped) {
+        let mut kept = Pass::new(&scene);
+        keep(&mut kept, &wanted);
+        kept.run(&order);
+        if is_less(&pass, &kept.world.placed) {
+            pass = kept;
         }
     }
     pass.answer()
@@ -40,7 +50,7 @@ pub fn reference(
 
 /// A plan in the making.
 pub(crate) struct Pass<'s, 'a> {
-    scene: &'s Scene<'a>,
+    pub(crate) scene: &'s Scene<'a>,
     pub(crate) world: World<'a>,
     excess: Vec<Excess>,
 }
@@ -48,6 +58,21 @@ pub(crate) struct Pass<'s, 'a> {
 impl<'s, 'a> Pass<'s, 'a> {
     pub(crate) fn new(scene: &'s Scene<'a>) -> Self {
         Self { world: World::base(scene), scene, excess: Vec::new() }
+    }
+
+    /// All that is still to be decided.
+    fn run(&mut self, order: &[usize]) {
+        loop {
+            while self.round(order) {}
+            for index in order {
+                self.expand(*index, i64::MAX);
+            }
+            // What was expanded drains more, so that one that was left out may
+            // fit.
+            if !self.round(order) {
+                return;
+            }
+        }
     }
 
     /// Tries all that are not in, in order: whether one came in.
@@ -72,15 +97,18 @@ impl<'s, 'a> Pass<'s, 'a> {
         self.world = with;
     }
 
-    fn expand(&mut self, index: usize) {
-        if self.world.find(index).is_none() {
-            return;
-        }
-        let Kind::Expanding { .. } = self.scene.activity(index).kind else { return };
+    /// As far as everything stays valid, and up to `until` at most: its end then.
+    pub(crate) fn expand(&mut self, index: usize, until: i64) -> i64 {
+        let end = |world: &World<'_>| world.find(index).map_or(i64::MIN, |placed| placed.end);
+        let expands = matches!(self.scene.activity(index).kind, Kind::Expanding { .. });
         let before = self.world.clone();
-        while let Some(longer) = longer(self.scene, &before, &self.world, index) {
+        while expands
+            && end(&self.world) < until
+            && let Some(longer) = longer(self.scene, &before, &self.world, index)
+        {
             self.world = longer;
         }
+        end(&self.world)
     }
 
     pub(crate) fn answer(self) -> TimedPlan {

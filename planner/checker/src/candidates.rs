@@ -69,7 +69,7 @@ pub(crate) fn range_of(scene: &Scene<'_>, slot: &Placed) -> usize {
     let admits = |range: &StartRange| {
         range.from.get() <= slot.start
             && slot.start <= range.to.get()
-            && slot.start + scene.activity(slot.index).placed().get() <= range.cutoff.get()
+            && slot.end <= range.cutoff.get()
     };
     starts.iter().position(admits).unwrap_or(0)
 }

@@ -112,6 +112,8 @@ impl Walk<'_> {
         match begin {
             Begin::Up { floor } => Place::Up { wakeup: now, up: now, floor },
             Begin::Waking { up } => {
+                // A wakeup in progress is cut off by what ends every phase.
+                let up = up.min(self.stop(now));
                 if let Some((start, _)) = self.needs.first().filter(|(start, _)| *start < up) {
                     self.short.push(Short { at: *start, by: up - start });
                 }
@@ -215,7 +217,8 @@ impl Walk<'_> {
             self.short.push(Short { at: need.0, by });
         }
         let wakeup = until.max(from);
-        let up = if wakeup > until { wakeup + rules.wakeup } else { up };
+        let late = (wakeup + rules.wakeup).min(self.stop(wakeup));
+        let up = if wakeup > until { late } else { up };
         Place::Up { wakeup, up, floor: up + rules.min_awake }
     }
 

@@ -22,6 +22,7 @@ mod execution;
 mod flow;
 mod given;
 mod heating;
+mod kept;
 mod lines;
 mod needs;
 mod peers;

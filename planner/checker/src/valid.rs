@@ -70,7 +70,7 @@ pub(crate) fn beside(
     all
 }
 
-fn soft_minimum(scene: &Scene<'_>, without: &World<'_>, with: &World<'_>) -> Option<Broken> {
+pub(crate) fn soft_minimum(scene: &Scene<'_>, without: &World<'_>, with: &World<'_>) -> Option<Broken> {
     let least = scene.at_least(scene.parameters.soft_min_soc);
     let below = with.charge.first_below(least, Some(&without.charge), (scene.now, scene.end));
     below.map(|(at, by)| Broken::of(Limit::SoftMinimum, at, by))
@@ -182,7 +182,7 @@ fn computer(scene: &Scene<'_>, with: &World<'_>, ours: &[Placed]) -> Option<Brok
     clashes.min().map(|at| Broken::of(Limit::Computer, at, 0))
 }
 
-fn lead(without: &World<'_>, with: &World<'_>) -> Option<Broken> {
+pub(crate) fn lead(without: &World<'_>, with: &World<'_>) -> Option<Broken> {
     let fresh = with.flaws.iter().find(|flaw| !without.flaws.contains(flaw))?;
     Some(Broken::of(Limit::Lead, fresh.at, fresh.by.into()))
 }

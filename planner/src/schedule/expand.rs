@@ -16,14 +16,15 @@ impl Pass<'_> {
                 && !self.committed[item]
                 && let Some(slot) = self.slots[item]
             {
-                self.lengthen(item, slot);
+                self.lengthen(item, slot, Time::new(i64::MAX));
             }
         }
     }
 
-    fn lengthen(&mut self, item: usize, slot: Slot) {
+    /// Up to `until` at most.
+    pub(super) fn lengthen(&mut self, item: usize, slot: Slot, until: Time) {
         let (start, end) = (slot.start.get(), slot.end.get());
-        let last = self.last(item, slot);
+        let last = self.last(item, slot).min(until.get());
         if last <= end {
             return;
         }

@@ -107,23 +107,7 @@ impl<'a> Search<'a> {
 
     /// What the incumbent has, at its times, as far as that still fits.
     fn keep(&mut self, incumbent: &TimedPlan) {
-        let mut pass = Pass::new(self.problem, Some(incumbent));
-        let rows = incumbent.rows.iter();
-        let mut slots: Vec<_> = rows
-            .filter_map(|row| match row.fate {
-                Fate::Scheduled(slot) => Some((slot.start, row.id)),
-                _ => None,
-            })
-            .collect();
-        slots.sort_unstable();
-        let index = |id| self.problem.plan().activities.iter().position(|one| one.id == id);
-        let wanted: Vec<_> =
-            slots.into_iter().filter_map(|(start, id)| Some((index(id)?, start))).collect();
-        // One may only fit when a later one brings it awake time.
-        while wanted.iter().fold(false, |any, &(item, start)| pass.turn_at(item, start) || any) {}
-        let order = self.order.clone();
-        pass.look_again(&order);
-        pass.expand(&order);
+        let pass = super::keep::keep(self.problem, incumbent);
         self.best.evaluations += pass.effort.candidates;
         self.consider(pass.answer());
     }
@@ -141,8 +125,7 @@ impl<'a> Search<'a> {
             pass.turn(item);
         }
         pass.look_again(&order);
-        pass.expand(&order);
-        pass.look_again(&order);
+        pass.finish(&order);
         self.best.evaluations += pass.effort.candidates;
         self.best.rounds += 1;
         self.accept(order, pass.answer());
@@ -196,6 +179,9 @@ impl<'a> Search<'a> {
             let item = order.remove(from);
             order.insert(to, item);
         }
+        // An optional one that comes first would leave mandatory ones to break
+        // the handover minimum that it was not to break itself.
+        order.sort_by_key(|&item| !self.problem.items[item].mandatory);
         order
     }
 }

@@ -187,7 +187,7 @@ impl Pass<'_> {
     }
 
     /// Places it, and notes what it exceeds because it may.
-    fn place(&mut self, item: usize, slot: Slot) {
+    pub(super) fn place(&mut self, item: usize, slot: Slot) {
         let mandatory = self.problem.items[item].mandatory;
         let handover = self.problem.handover.filter(|_| mandatory);
         let before = handover.map(|at| self.world.charge(at));

@@ -13,6 +13,9 @@ pub struct Worth {
     mandatory: Vec<usize>,
     /// The sum of values of the optional ones that are in.
     optional: u128,
+    /// How many are in: one that is worth nothing is still wanted, and makes
+    /// the sum of starts later.
+    activities: usize,
     /// The sum of starts: the earlier, the better.
     starts: Reverse<i128>,
 }
@@ -27,9 +30,11 @@ impl Worth {
         levels.retain(|&priority| priority >= from);
         levels.sort_unstable_by_key(|&priority| Reverse(priority));
         levels.dedup();
-        let mut worth = Self { mandatory: vec![0; levels.len()], optional: 0, starts: Reverse(0) };
+        let mandatory = vec![0; levels.len()];
+        let mut worth = Self { mandatory, optional: 0, activities: 0, starts: Reverse(0) };
         for (activity, row) in activities.iter().zip(&timed.rows) {
             let (Fate::Scheduled(slot) | Fate::Running(slot)) = row.fate else { continue };
+            worth.activities += 1;
             worth.starts.0 += i128::from(slot.start.get());
             match levels.binary_search_by_key(&Reverse(activity.priority), |&level| Reverse(level))
             {

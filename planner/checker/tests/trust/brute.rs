@@ -7,10 +7,15 @@ use faregate_planner::units::Time;
 use crate::worlds::{TINY, World, world};
 
 /// What is wrong with a plan, by all that the checker knows.
-pub(crate) fn wrong(world: &World, timed: &TimedPlan, effort: Effort) -> Vec<String> {
+pub(crate) fn wrong(
+    world: &World,
+    incumbent: Option<&TimedPlan>,
+    timed: &TimedPlan,
+    effort: Effort,
+) -> Vec<String> {
     let World { plan, parameters, state } = world;
-    let mut all = check(plan, parameters, state, None, timed, effort);
-    all.extend(check_turns(plan, parameters, state, None, timed));
+    let mut all = check(plan, parameters, state, incumbent, timed, effort);
+    all.extend(check_turns(plan, parameters, state, incumbent, timed));
     all.iter().map(ToString::to_string).collect()
 }
 
@@ -20,7 +25,7 @@ fn what_the_slowest_planner_makes_keeps_every_rule() {
     for seed in 0..seeds(400) {
         let world = world(seed, TINY);
         let timed = reference(&world.plan, &world.parameters, &world.state, None);
-        let wrong = wrong(&world, &timed, Effort { grid: 200 });
+        let wrong = wrong(&world, None, &timed, Effort { grid: 200 });
         assert_eq!(wrong, [""; 0], "seed {seed}: {}", told(&world, &timed));
         scheduled += timed.rows.iter().filter(|r| matches!(r.fate, Fate::Scheduled(_))).count();
         out += timed.rows.iter().filter(|r| matches!(r.fate, Fate::Out(_))).count();

@@ -6,5 +6,6 @@ mod executions;
 mod mutants;
 mod planner;
 mod properties;
+mod replans;
 mod values;
 mod worlds;

@@ -3,10 +3,10 @@
 use faregate_checker::{Effort, reference};
 use faregate_planner::timed::{AwakePhase, Fate, Reason, TimedPlan};
 use faregate_planner::units::Time;
-use faregate_planner::{Problem, schedule};
+use faregate_planner::{Problem, schedule, schedule_in_order};
 
 use crate::brute::{seeds, told, wrong};
-use crate::worlds::{TINY, World, world};
+use crate::worlds::{DAY, SOL, TINY, World, world};
 
 /// What the planner answers.
 pub(crate) fn planned(world: &World) -> TimedPlan {
@@ -17,7 +17,7 @@ pub(crate) fn planned(world: &World) -> TimedPlan {
 
 /// A plan without its reasons: of several that are true at once, or at
 /// different turns.
-fn bare(timed: &TimedPlan) -> TimedPlan {
+pub(crate) fn bare(timed: &TimedPlan) -> TimedPlan {
     let mut timed = timed.clone();
     for row in &mut timed.rows {
         match &mut row.fate {
@@ -44,18 +44,23 @@ fn in_small_worlds_it_answers_what_trying_every_start_answers() {
         }
     }
     for (seed, world, fast, slow) in &differing {
-        println!("seed {seed}: {}", difference(world, fast, slow));
+        println!("seed {seed}: {}", difference(world, None, fast, slow));
     }
     let only = std::env::var("SEED").ok().and_then(|seed| seed.parse::<u64>().ok());
     let first = differing.iter().find(|(seed, ..)| only.is_none_or(|only| only == *seed));
     let Some((seed, world, fast, slow)) = first else { return };
     panic!("{} of {count} differ; seed {seed}: {}{}", differing.len(), told(world, slow), {
-        difference(world, fast, slow)
+        difference(world, None, fast, slow)
     });
 }
 
 /// Where two plans differ first, and what the checker says of the first one.
-fn difference(world: &World, fast: &TimedPlan, slow: &TimedPlan) -> String {
+pub(crate) fn difference(
+    world: &World,
+    incumbent: Option<&TimedPlan>,
+    fast: &TimedPlan,
+    slow: &TimedPlan,
+) -> String {
     let rows = fast.rows.iter().zip(&slow.rows).filter(|(a, b)| a != b);
     let rows: Vec<String> =
         rows.map(|(a, b)| format!("\n  {} {:?}, but {:?}", a.id, a.fate, b.fate)).collect();
@@ -65,7 +70,7 @@ fn difference(world: &World, fast: &TimedPlan, slow: &TimedPlan) -> String {
     };
     let (a, b) = (awake(fast), awake(slow));
     let heated: Vec<_> = [&fast.preheats, &slow.preheats].map(|p| format!("{p:?}")).into();
-    let wrong = wrong(world, fast, Effort { grid: 200 });
+    let wrong = wrong(world, incumbent, fast, Effort { grid: 200 });
     let mut told = format!("{}\n  wrong: {wrong:?}", rows.join(""));
     if a != b {
         told += &format!("\n  awake {a:?}, but {b:?}");
@@ -78,4 +83,23 @@ fn difference(world: &World, fast: &TimedPlan, slow: &TimedPlan) -> String {
         told += &format!(", but {:?} {:?}", slow.excess, slow.unavoidable);
     }
     told
+}
+
+/// A search that goes from millisecond to millisecond would be right, too, and
+/// take days: it goes in steps that do not depend on how long a day is.
+#[test]
+fn days_of_any_length_are_searched_in_few_steps() {
+    let steps = |scale| {
+        (0..seeds(120)).map(move |seed| {
+            let World { plan, parameters, state } = world(seed, scale);
+            let problem = Problem::new(&plan, &parameters, &state).expect("it fits together");
+            schedule_in_order(&problem, problem.order(), None).1
+        })
+    };
+    let (mut short, mut long) = (0, 0);
+    for (seed, (day, sol)) in steps(DAY).zip(steps(SOL)).enumerate() {
+        println!("{seed}: {} {} candidates {}", day.starts, sol.starts, sol.candidates);
+        (short, long) = (short + day.starts, long + sol.starts);
+    }
+    println!("{short} starts tried in short days, {long} in long ones");
 }

@@ -1,15 +1,52 @@
 //! What holds between plans: equal ones, improved ones, ones with more slack.
+//!
+//! Each is asked of the planner, and of planners that are broken just so.
+
+mod broken;
+mod slack;
+
+use std::collections::BTreeSet;
 
 use faregate_checker::{Effort, check};
-use faregate_planner::schedule::{Budget, Worth, improve};
+use faregate_planner::schedule::{Budget, Improved, Worth, improve, schedule};
 use faregate_planner::timed::{Fate, TimedPlan};
-use faregate_planner::units::{Bytes, Ppm, Span};
 use faregate_planner::{ActivityId, Problem};
-use faregate_tickets::amount::Milliwatts;
 
 use crate::brute::{seeds, told};
-use crate::planner::planned;
 use crate::worlds::{TINY, World, world};
+
+/// A planner: right, or broken.
+#[derive(Clone, Copy)]
+struct Planner {
+    schedule: fn(&Problem, Option<&TimedPlan>) -> TimedPlan,
+    improve: fn(&Problem, Option<&TimedPlan>, Budget) -> Improved,
+}
+
+/// The planner.
+const RIGHT: Planner =
+    Planner { schedule, improve: |problem, old, budget| improve(problem, old, budget, &mut || false) };
+
+/// What a property says of a seed: whether it had anything to say, or how it
+/// does not hold.
+type Said = Result<usize, String>;
+
+/// It holds of the planner for so many seeds, and says something at least so
+/// often.
+fn holds(property: fn(u64, Planner) -> Said, count: u64, least: usize) {
+    let mut said = 0;
+    for seed in 0..count {
+        said += property(seed, RIGHT).unwrap_or_else(|how| panic!("seed {seed}: {how}"));
+    }
+    println!("{said} cases in {count} plans");
+    assert!(said >= least, "{said} cases in {count} plans");
+}
+
+/// It does not hold of a broken planner.
+fn catches(property: fn(u64, Planner) -> Said, broken: Planner) {
+    let caught = (0..1_000).find(|seed| property(*seed, broken).is_err());
+    println!("caught in {caught:?}");
+    assert!(caught.is_some(), "a broken planner passes");
+}
 
 fn problem(world: &World) -> Problem {
     let World { plan, parameters, state } = world;
@@ -20,14 +57,30 @@ fn bytes(timed: &TimedPlan) -> Vec<u8> {
     postcard::to_stdvec(timed).expect("it has a serial form")
 }
 
+/// Equal input gives equal bytes.
+fn is_repeatable(seed: u64, planner: Planner) -> Said {
+    let world = world(seed, TINY);
+    let budget = Budget { evaluations: 60, seed };
+    let answers = || {
+        let problem = problem(&world);
+        let timed = (planner.schedule)(&problem, None);
+        let improved = (planner.improve)(&problem, Some(&timed), budget);
+        [bytes(&timed), bytes(&improved.timed)]
+    };
+    if answers() == answers() { Ok(1) } else { Err("the second answer differs".into()) }
+}
+
 #[test]
 fn equal_input_gives_equal_bytes() {
-    let plans: Vec<Vec<u8>> = (0..seeds(300)).map(|s| bytes(&planned(&world(s, TINY)))).collect();
-    for (seed, plan) in (0..).zip(&plans) {
-        assert!(*plan == bytes(&planned(&world(seed, TINY))), "seed {seed}");
-    }
-    let equal = plans.windows(2).filter(|pair| pair[0] == pair[1]).count();
-    assert!(equal < plans.len() / 20, "{equal} of {} are like the next", plans.len());
+    holds(is_repeatable, seeds(1_000), 1_000);
+    catches(is_repeatable, broken::MOODY);
+}
+
+#[test]
+fn plans_differ() {
+    let plans: BTreeSet<Vec<u8>> =
+        (0..300).map(|seed| bytes(&schedule(&problem(&world(seed, TINY)), None))).collect();
+    assert!(plans.len() > 285, "only {} of 300 are unlike the others", plans.len());
 }
 
 /// Nobody depends on it, and nobody would be told that it is in the way.
@@ -36,94 +89,73 @@ fn is_alone(world: &World, id: ActivityId) -> bool {
     !after.any(|dependency| dependency.prior == id)
 }
 
-#[test]
-fn removing_what_is_left_out_changes_nothing_but_its_row() {
+/// To remove something that is left out changes nothing but its row.
+fn ignores_what_is_out(seed: u64, planner: Planner) -> Said {
+    let whole = world(seed, TINY);
+    let timed = (planner.schedule)(&problem(&whole), None);
     let mut removed = 0;
-    for seed in 0..seeds(400) {
-        let whole = world(seed, TINY);
-        let timed = planned(&whole);
-        let left_out = timed.rows.iter().filter(|row| matches!(row.fate, Fate::Out(_)));
-        let Some(row) = left_out.into_iter().find(|row| is_alone(&whole, row.id)) else { continue };
+    for row in timed.rows.iter().filter(|row| matches!(row.fate, Fate::Out(_))) {
+        if !is_alone(&whole, row.id) {
+            continue;
+        }
         let mut smaller = whole.clone();
         smaller.plan.activities.retain(|activity| activity.id != row.id);
         let mut expected = timed.clone();
         expected.rows.retain(|other| other.id != row.id);
-        let found = planned(&smaller);
-        assert!(
-            found == expected,
-            "seed {seed}: {}\n{}",
-            told(&whole, &timed),
-            told(&smaller, &found)
-        );
+        let found = (planner.schedule)(&problem(&smaller), None);
+        if found != expected {
+            return Err(format!("{}\n{}", told(&whole, &timed), told(&smaller, &found)));
+        }
         removed += 1;
     }
-    assert!(removed > 100, "{removed}");
+    Ok(removed)
+}
+
+#[test]
+fn removing_what_is_left_out_changes_nothing_but_its_row() {
+    holds(ignores_what_is_out, seeds(1_000), 1_000);
+    catches(ignores_what_is_out, broken::COUNTING);
+}
+
+/// What is improved is never worth less than the pass or the incumbent, and
+/// keeps every rule. Says whether it is worth more.
+fn never_gets_worse(seed: u64, planner: Planner) -> Said {
+    let world = world(seed, TINY);
+    let World { plan, parameters, state } = &world;
+    let problem = problem(&world);
+    let timed = (planner.schedule)(&problem, None);
+    let budget = Budget { evaluations: 300, seed };
+    let improved = (planner.improve)(&problem, None, budget);
+    let worth = |timed: &TimedPlan| Worth::of(&problem, timed);
+    let (before, after) = (worth(&timed), worth(&improved.timed));
+    if after < before || after != improved.worth {
+        return Err(format!("{before:?} {after:?}"));
+    }
+    let wrong = check(plan, parameters, state, None, &improved.timed, Effort { grid: 8 });
+    if !wrong.is_empty() {
+        return Err(format!("{wrong:?}: {}", told(&world, &improved.timed)));
+    }
+    // Without a single evaluation to spare it still has what it was given.
+    let budget = Budget { evaluations: 0, seed };
+    let kept = worth(&(planner.improve)(&problem, Some(&improved.timed), budget).timed);
+    let again = worth(&(planner.schedule)(&problem, Some(&improved.timed)));
+    if kept < after || again < after {
+        let told = told(&world, &improved.timed);
+        return Err(format!("of {after:?} it keeps {kept:?} and {again:?}: {told}"));
+    }
+    Ok(usize::from(after > before))
 }
 
 #[test]
 fn what_is_improved_is_never_worth_less_and_keeps_every_rule() {
-    let (mut better, mut all) = (0, 0);
-    for seed in 0..seeds(200) {
-        let world = world(seed, TINY);
-        let World { plan, parameters, state } = &world;
-        let (problem, timed) = (problem(&world), planned(&world));
-        let budget = Budget { evaluations: 300, seed };
-        let improved = improve(&problem, None, budget, &mut || false);
-        let (before, after) = (Worth::of(&problem, &timed), Worth::of(&problem, &improved.timed));
-        assert!(after >= before, "seed {seed}: {before:?} {after:?}");
-        assert_eq!(after, improved.worth, "seed {seed}");
-        let effort = Effort { grid: 8 };
-        let wrong = check(plan, parameters, state, None, &improved.timed, effort);
-        assert_eq!(wrong, [], "seed {seed}: {}", told(&world, &improved.timed));
-        (better, all) = (better + usize::from(after > before), all + 1);
-    }
-    println!("{better} of {all} plans were improved");
-    assert!(better > all / 50, "{better} of {all}");
+    holds(never_gets_worse, seeds(400), 20);
+    catches(never_gets_worse, broken::CARELESS);
+    catches(never_gets_worse, broken::FORGETFUL);
+    catches(never_gets_worse, broken::BOASTING);
 }
 
 #[test]
 fn with_more_slack_and_the_old_plan_nothing_is_worth_less() {
-    let more: [fn(&mut World); 5] = [
-        |world| {
-            let limit = &mut world.parameters.peak_limit;
-            *limit = limit.saturating_add(Milliwatts::from_watts(40));
-        },
-        |world| {
-            world.plan.max_delta_data = Bytes::new(world.plan.max_delta_data.get() + 50);
-        },
-        |world| {
-            world.parameters.soft_min_soc = Ppm::new(world.parameters.soft_min_soc.get() / 2);
-        },
-        |world| world.parameters.engines += 1,
-        |world| {
-            for activity in &mut world.plan.activities {
-                for range in &mut activity.starts {
-                    range.to = range.to.after(Span::new(10));
-                    range.cutoff = range.cutoff.after(Span::new(20));
-                }
-            }
-        },
-    ];
-    let mut better = 0;
-    for seed in 0..seeds(150) {
-        let world = world(seed, TINY);
-        let timed = planned(&world);
-        for (which, change) in more.iter().enumerate() {
-            let mut slack = world.clone();
-            change(&mut slack);
-            let problem = problem(&slack);
-            let budget = Budget { evaluations: 100, seed };
-            let improved = improve(&problem, Some(&timed), budget, &mut || false);
-            let (before, after) =
-                (Worth::of(&problem, &timed), Worth::of(&problem, &improved.timed));
-            assert!(
-                after >= before,
-                "seed {seed}, slack {which}: {before:?} {after:?}: {}",
-                told(&world, &timed)
-            );
-            better += usize::from(after > before);
-        }
-    }
-    println!("{better} times it was worth more");
-    assert!(better > 50, "{better}");
+    holds(slack::never_costs, seeds(400), 100);
+    catches(slack::never_costs, broken::FORGETFUL);
 }

@@ -7,7 +7,7 @@ use faregate_planner::timed::TimedPlan;
 
 use crate::brute::{seeds, told, wrong};
 use crate::planner::planned;
-use crate::worlds::{DAY, MICRO, World, world};
+use crate::worlds::{DAY, MICRO, SOL, Scale, World, world};
 
 /// The sum of worths of what is in.
 fn value(world: &World, timed: &TimedPlan) -> u64 {
@@ -17,16 +17,24 @@ fn value(world: &World, timed: &TimedPlan) -> u64 {
 
 #[test]
 fn days_keep_every_rule_and_are_worth_more_than_naive_ones() {
+    beside_naive_ones(DAY, seeds(120));
+}
+
+#[test]
+fn days_of_full_length_keep_every_rule_and_are_worth_more_than_naive_ones() {
+    beside_naive_ones(SOL, seeds(120));
+}
+
+fn beside_naive_ones(scale: Scale, count: u64) {
     let (mut ours, mut theirs, mut lower) = (0, 0, 0);
-    let count = seeds(120);
     for seed in 0..count {
-        let world = world(seed, DAY);
+        let world = world(seed, scale);
         let timed = planned(&world);
-        let wrong = wrong(&world, &timed, Effort { grid: 4 });
+        let wrong = wrong(&world, None, &timed, Effort { grid: 4 });
         assert_eq!(wrong, [""; 0], "seed {seed}: {}", told(&world, &timed));
 
         let World { plan, parameters, state } = &world;
-        let peer = naive(plan, parameters, state, 10 * DAY.unit);
+        let peer = naive(plan, parameters, state, 10 * scale.unit);
         let mut said = check(plan, parameters, state, None, &peer, Effort { grid: 0 });
         // It gives up before it has seen every start, so it cannot say why.
         said.retain(|violation| violation.rule != Rule::Reason);
@@ -49,7 +57,7 @@ fn drawn_sols_keep_every_rule() {
     }
     for (name, world) in worlds {
         let timed = planned(&world);
-        let wrong = wrong(&world, &timed, Effort { grid: 2 });
+        let wrong = wrong(&world, None, &timed, Effort { grid: 2 });
         assert_eq!(wrong, [""; 0], "{name}: {}", told(&world, &timed));
     }
 }

@@ -2,6 +2,9 @@
 //! about half of what is wanted has room.
 
 mod activities;
+mod later;
+
+pub(crate) use later::later;
 
 use faregate_agents::Categories;
 use faregate_planner::parameters::{
@@ -42,6 +45,17 @@ pub(crate) const MICRO: Scale = Scale { unit: 1, horizon: 45, activities: 4 };
 /// A day at a six-hundredth of its length, in tenths of seconds and odd
 /// milliseconds.
 pub(crate) const DAY: Scale = Scale { unit: 100, horizon: 1_440, activities: 24 };
+
+/// A day at its full length, in minutes and odd milliseconds.
+pub(crate) const SOL: Scale = Scale { unit: 60_000, horizon: 1_440, activities: 24 };
+
+impl Scale {
+    /// How much of what is used up at a rate there is: rates are whole numbers
+    /// for each second, and days have many.
+    const fn fuel(self) -> i64 {
+        if self.unit > 1_000 { self.unit / 1_000 } else { 1 }
+    }
+}
 
 /// The world of a seed.
 pub(crate) fn world(seed: u64, scale: Scale) -> World {
@@ -117,7 +131,7 @@ impl Make {
             min_sleep: self.span(4, 14),
             day: Day { length: self.span(60, 150).max(Span::new(50)), midnight: self.time(0, 40) },
             zones,
-            timelines: timelines(),
+            timelines: timelines(self.scale.fuel()),
             commit: self.span(1, 10),
             soft_samples: 1,
             ..Parameters::default()
@@ -259,7 +273,7 @@ fn clear_of_windows(plan: &mut Plan, state: &State) {
     });
 }
 
-fn timelines() -> Vec<TimelineSpec> {
+fn timelines(fuel: i64) -> Vec<TimelineSpec> {
     let line = |name: &str, kind, initial, max| {
         let name = name.to_owned();
         TimelineSpec { name, kind, initial, min: 0, max }
@@ -268,7 +282,7 @@ fn timelines() -> Vec<TimelineSpec> {
         line("mode", TimelineKind::State, 1, 3),
         line("bus", TimelineKind::Unit, 0, 1),
         line("seats", TimelineKind::Renewable, 0, 4),
-        line("fuel", TimelineKind::Consumable, 50, 60),
+        line("fuel", TimelineKind::Consumable, 50 * fuel, 60 * fuel),
     ]
 }
 

@@ -100,8 +100,11 @@ impl Make {
             1 => ("mode", Effect::SetAtEnd(amount)),
             2 => ("bus", Effect::Hold(1)),
             3 => ("seats", Effect::Hold(amount)),
-            4 => ("fuel", Effect::AddAtStart(-amount * 10)),
-            _ => ("fuel", Effect::Rate(-amount * 1_000 / self.scale.unit)),
+            4 => ("fuel", Effect::AddAtStart(-amount * 10 * self.scale.fuel())),
+            _ => {
+                let for_each_unit = -amount * self.scale.fuel();
+                ("fuel", Effect::Rate(for_each_unit * 1_000 / self.scale.unit))
+            }
         };
         activity.impacts.push(Impact { timeline: name.into(), effect });
         if self.chance(40) {
