@@ -7,9 +7,10 @@ use std::time;
 
 use parking_lot::{Condvar, Mutex};
 
-use crate::bodies::workers::{Call, Desk, Report, WorkerId, Workers};
-use crate::executive::{CommandRefused, Commands};
+use crate::bodies::workers::{Call, WorkerId, Workers};
+use crate::executive::{CommandRefused, Commands, Waker};
 use crate::manager::{Attempt, Event, Exit, Stop};
+use crate::port::Beat;
 use crate::time::{Duration, Instant};
 
 /// A function that a task can be. What it answers is how the task ends.
@@ -88,9 +89,9 @@ impl fmt::Debug for Functions {
 pub struct Invocation {
     attempt: Attempt,
     arguments: Vec<String>,
-    flag: Arc<Flag>,
+    shared: Arc<Shared>,
     commands: CommandsOf,
-    desk: Desk,
+    manager: Waker,
 }
 
 impl Invocation {
@@ -126,8 +127,12 @@ impl Invocation {
     }
 
     /// Says that the function is alive, where the schedule wants to hear it.
+    ///
+    /// # Timing
+    /// One atomic operation; a system call where the manager has heard the beat
+    /// before. However often it beats, one beat waits to be heard.
     pub fn heartbeat(&self) {
-        self.desk.report(Report::Heartbeat(self.attempt));
+        self.shared.beat.beat(|| self.manager.wake());
     }
 
     /// Whether the function is to save its work and return. Its commands are
@@ -135,28 +140,30 @@ impl Invocation {
     /// lost, and its categories stay taken until it returns.
     #[must_use]
     pub fn asked_to_stop(&self) -> bool {
-        *self.flag.asked.lock()
+        *self.shared.asked.lock()
     }
 
     /// Waits for this long, or until the function is asked to stop. Answers
     /// whether it was.
     #[must_use]
     pub fn asked_to_stop_within(&self, duration: Duration) -> bool {
-        let mut asked = self.flag.asked.lock();
+        let mut asked = self.shared.asked.lock();
         let wait = time::Duration::from(duration);
-        self.flag.changed.wait_while_for(&mut asked, |asked| !*asked, wait);
+        self.shared.changed.wait_while_for(&mut asked, |asked| !*asked, wait);
         *asked
     }
 }
 
-/// Whether a function was asked to stop.
+/// What a function and the manager's thread share.
 #[derive(Debug, Default)]
-struct Flag {
+struct Shared {
+    /// Whether the function was asked to stop.
     asked: Mutex<bool>,
     changed: Condvar,
+    beat: Beat,
 }
 
-impl Flag {
+impl Shared {
     fn ask(&self) {
         *self.asked.lock() = true;
         self.changed.notify_all();
@@ -181,7 +188,7 @@ pub(super) struct Calls {
 #[derive(Debug)]
 struct Running {
     worker: WorkerId,
-    flag: Arc<Flag>,
+    shared: Arc<Shared>,
     grace_ends: Option<Instant>,
 }
 
@@ -202,16 +209,16 @@ impl Calls {
         let Some(function) = self.functions.0.get(&number) else {
             return Err(format!("no function is registered for type {number}"));
         };
-        let flag = Arc::new(Flag::default());
+        let shared = Arc::<Shared>::default();
         let invocation = Invocation {
             attempt,
             arguments: arguments.to_vec(),
-            flag: Arc::clone(&flag),
+            shared: Arc::clone(&shared),
             commands: CommandsOf(Arc::clone(workers.commands())),
-            desk: workers.desk().clone(),
+            manager: workers.manager().clone(),
         };
         let worker = workers.give(Call::Function(Arc::clone(function), invocation))?;
-        self.live.insert(attempt, Running { worker, flag, grace_ends: None });
+        self.live.insert(attempt, Running { worker, shared, grace_ends: None });
         Ok(())
     }
 
@@ -223,7 +230,7 @@ impl Calls {
             Stop::Pause => Duration::ZERO,
             Stop::Checkpoint { grace, .. } | Stop::Kill { grace } => grace,
         };
-        running.flag.ask();
+        running.shared.ask();
         let ends = now.after(grace);
         running.grace_ends = Some(running.grace_ends.map_or(ends, |earlier| earlier.min(ends)));
     }
@@ -235,10 +242,13 @@ impl Calls {
         }
     }
 
-    /// Tells of those whose grace is over. To be called when all reports were
-    /// heard.
+    /// Tells of heartbeats, and of those whose grace is over. To be called when
+    /// all reports were heard.
     pub(super) fn poll(&mut self, now: Instant, workers: &mut Workers, events: &mut Vec<Event>) {
         for (attempt, running) in &mut self.live {
+            if running.shared.beat.take() {
+                events.push(Event::Heartbeat { attempt: *attempt });
+            }
             if running.grace_ends.is_some_and(|ends| ends <= now) {
                 // Told once. It has no worker to give back when it returns.
                 running.grace_ends = None;
@@ -256,6 +266,6 @@ impl Calls {
 /// A manager that goes asks all its functions to stop, and waits for none.
 impl Drop for Calls {
     fn drop(&mut self) {
-        self.live.values().for_each(|running| running.flag.ask());
+        self.live.values().for_each(|running| running.shared.ask());
     }
 }

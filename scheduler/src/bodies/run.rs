@@ -138,7 +138,6 @@ impl RealBodies {
                 Report::Answered(attempt, worker, answer) => {
                     self.sequences.answered(attempt, worker, answer, now, events);
                 }
-                Report::Heartbeat(attempt) => events.push(Event::Heartbeat { attempt }),
             }
         }
     }

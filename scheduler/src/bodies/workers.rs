@@ -3,7 +3,7 @@
 //! A worker has one call at a time and reports when it is done. Which workers
 //! are idle is known to the manager's thread alone, which gives a call to an
 //! idle one or to a new one: none waits behind another. Nothing is shared but
-//! channels and the flag that asks a function to stop.
+//! channels and, with a function, whether it was asked to stop and has beaten.
 
 use std::any::Any;
 use std::collections::BTreeMap;
@@ -36,19 +36,17 @@ pub(super) enum Report {
     Returned(Attempt, WorkerId, Exit),
     /// A command is over, and its worker is idle.
     Answered(Attempt, WorkerId, Result<String, CommandRefused>),
-    /// A function is alive.
-    Heartbeat(Attempt),
 }
 
-/// How a worker, or a function, speaks to the manager's thread.
+/// How a worker speaks to the manager's thread.
 #[derive(Clone, Debug)]
-pub(super) struct Desk {
+struct Desk {
     reports: Sender<Report>,
     waker: Waker,
 }
 
 impl Desk {
-    pub(super) fn report(&self, report: Report) {
+    fn report(&self, report: Report) {
         // Nobody listens any more when the bodies are gone.
         if self.reports.send(report).is_ok() {
             self.waker.wake();
@@ -94,8 +92,9 @@ impl Workers {
         Ok(workers)
     }
 
-    pub(super) fn desk(&self) -> &Desk {
-        &self.desk
+    /// The bell of the manager's thread.
+    pub(super) fn manager(&self) -> &Waker {
+        &self.desk.waker
     }
 
     pub(super) fn commands(&self) -> &Arc<dyn Commands> {
@@ -128,9 +127,8 @@ impl Workers {
     /// What was reported next, if anything was.
     pub(super) fn next_report(&mut self) -> Option<Report> {
         let report = self.reports.try_recv().ok()?;
-        if let Report::Returned(_, worker, _) | Report::Answered(_, worker, _) = &report
-            && self.calls.contains_key(worker)
-        {
+        let (Report::Returned(_, worker, _) | Report::Answered(_, worker, _)) = &report;
+        if self.calls.contains_key(worker) {
             self.idle.push(*worker);
         }
         Some(report)

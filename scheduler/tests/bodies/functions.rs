@@ -97,6 +97,25 @@ fn a_function_that_heeds_the_question_ends_within_its_grace() {
     assert_eq!(bench.told(), []);
 }
 
+#[test]
+fn heartbeats_of_a_function_are_one_event_however_many_they_were() {
+    let (beaten, has_beaten) = bounded(0);
+    let mut bench = bench_with(Settings::default(), move |call| {
+        (0..10_000).for_each(|_| call.heartbeat());
+        beaten.send(()).map_err(|_| "the test is over".to_owned())?;
+        let _ = call.asked_to_stop_within(Duration::from_secs(1000));
+        Ok(())
+    });
+    let attempt = bench.start(body(&[]));
+    has_beaten.recv().unwrap();
+    for _ in 0..2 {
+        bench.bodies_poll();
+        assert_eq!(bench.told(), [Event::Heartbeat { attempt }]);
+    }
+    bench.stop(attempt, checkpoint(Duration::from_secs(1000)));
+    assert_eq!(bench.exit(attempt), Exit::Code(0));
+}
+
 /// A function that returns when it is let, whatever it is asked.
 fn deaf(settings: Settings) -> (Bench, Sender<()>, Arc<AtomicUsize>) {
     let (let_go, gate): (Sender<()>, Receiver<()>) = bounded(0);
