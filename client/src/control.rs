@@ -168,6 +168,22 @@ impl Control {
         }
     }
 
+    /// Where these tasks stand, as far as they are in the schedule. Many are
+    /// asked of in several questions, and the instant is the last one's.
+    ///
+    /// # Errors
+    /// [`Error::Refused`].
+    pub fn status_of_tasks(&mut self, tasks: &[u32]) -> Result<Status, Error> {
+        let mut all = Status::default();
+        for some in tasks.chunks(usize::try_from(MAX_ROWS).unwrap_or(usize::MAX)) {
+            let query = StatusQuery { tasks: some.into(), ..StatusQuery::default() };
+            let status = self.status_of(query)?;
+            all.tasks.extend(status.tasks);
+            (all.at_us, all.unix_us) = (status.at_us, status.unix_us);
+        }
+        Ok(all)
+    }
+
     /// Where some tasks stand, in one answer.
     ///
     /// # Errors

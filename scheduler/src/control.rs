@@ -30,6 +30,7 @@ mod files;
 mod lines;
 mod link;
 mod listen;
+mod reading;
 mod socket;
 mod status;
 mod thread;
@@ -46,3 +47,9 @@ pub const MAX_FILE: u64 = 64 << 20;
 
 /// How many changes wait for who watches. More are counted.
 pub const MAX_NOTES: usize = 4096;
+
+/// What an answer says of the mistakes in a schedule, in bytes.
+const MISTAKES: usize = 1 << 20;
+
+/// The same of a file that a task loads: it is the task's end, which is kept.
+const MISTAKES_OF_FILE: usize = 4 << 10;

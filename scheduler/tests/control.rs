@@ -12,7 +12,7 @@ use std::os::unix::net::UnixStream;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, mpsc};
 
-use control::stage::{LONG, Stage, id, now, until};
+use control::stage::{LONG, Stage, THERE, id, now, until};
 use faregate_client::wire::control::{MAX_LINE, State, StatusQuery, When, Window};
 use faregate_client::{Change, Control, Error, RefusalKind, Refused};
 use faregate_scheduler::control::{Link, MAX_CLIENTS, MAX_NOTES, SocketLink};
@@ -97,8 +97,35 @@ fn every_telecommand_comes_to_the_manager_as_it_was_asked() {
 #[test]
 fn what_the_manager_refuses_is_told_with_its_reason() {
     let stage = Stage::new();
-    let why = refusal(stage.client().remove(&[7]));
-    assert_eq!((why.kind, &*why.reason), (RefusalKind::NotDone, "there is no task 7"));
+    let mut control = stage.client();
+    let why = refusal(control.remove(&[7]));
+    assert_eq!((why.kind, &*why.reason), (RefusalKind::NotDone, "task 7 cannot be spared"));
+}
+
+#[test]
+fn what_is_not_there_is_refused_as_unknown_whatever_is_asked_of_it() {
+    let stage = Stage::new();
+    let mut control = stage.client();
+    let windows = [Window::default()];
+    let about_20 = [
+        control.remove(&[1, 20]),
+        control.set_priority(20, 1),
+        control.set_windows(20, &windows),
+        control.hold(20),
+        control.resume(20),
+    ];
+    for outcome in about_20 {
+        let why = refusal(outcome);
+        assert_eq!(why.kind, RefusalKind::UnknownTask);
+        assert_eq!(why.reason, "task 20 is not in the schedule");
+    }
+    for outcome in [control.enter_mode("spring"), control.leave_mode("spring")] {
+        let why = refusal(outcome);
+        assert_eq!(why.kind, RefusalKind::Invalid);
+        assert!(why.reason.contains("no mode spring"), "{why}");
+    }
+    assert!(stage.heard().is_empty(), "the manager was asked");
+    control.hold(1).unwrap();
 }
 
 #[test]
@@ -131,7 +158,7 @@ fn every_mistake_in_a_schedule_is_told_at_once_and_nothing_is_loaded() {
     assert_eq!(why.kind, RefusalKind::Invalid);
     assert_eq!(why.problems.iter().map(|p| p.line.unwrap()).collect::<Vec<_>>(), [2, 4, 5]);
     assert_eq!(why.to_string().lines().count(), 4);
-    assert!(stage.schedule.lock().unwrap().tasks.is_empty());
+    assert_eq!(stage.schedule.lock().unwrap().tasks.len(), THERE);
 }
 
 #[test]
@@ -152,6 +179,54 @@ fn the_status_of_a_long_schedule_comes_whole_in_several_answers() {
     assert_eq!(row.waits_for.as_deref(), Some("camera, which task 99 has"));
 }
 
+/// The manager's thread answers, and looks for each task among those that are
+/// asked of.
+#[test]
+fn a_question_about_very_many_tasks_is_refused_and_the_client_asks_in_parts() {
+    let stage = Stage::new();
+    let many = stage.fill();
+    let mut control = stage.client();
+    let mut numbers: Vec<u32> = (1..=many).rev().collect();
+    let query = StatusQuery { tasks: numbers.clone(), ..StatusQuery::default() };
+    let why = refusal(control.status_of(query));
+    assert_eq!(why.kind, RefusalKind::Invalid);
+    assert!(why.reason.contains(&many.to_string()), "{why}");
+    numbers.push(many + 1);
+    let status = control.status_of_tasks(&numbers).unwrap();
+    let mut told: Vec<_> = status.tasks.iter().map(|row| row.task).collect();
+    told.sort_unstable();
+    assert_eq!(told, (1..=many).collect::<Vec<_>>());
+    assert_eq!((status.at_us, status.unix_us), (7, -9));
+}
+
+#[test]
+fn a_schedule_whose_reader_panics_is_refused_and_the_port_lives() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("faregate.sock");
+    let reader = |name: &str, _: &str| -> Result<Vec<faregate_scheduler::Task>, Refused> {
+        assert!(name != "bad.list", "as it is to");
+        Err(Refused::new(RefusalKind::Invalid, "it is not loaded"))
+    };
+    let _link = SocketLink::listen(&path, Arc::new(reader), Waker::new().unwrap()).unwrap();
+    let mut control = Control::connect(&path).unwrap();
+    control.set_timeout(Some(LONG)).unwrap();
+    let why = refusal(control.add("bad.list", "1"));
+    assert_eq!(why.kind, RefusalKind::NotDone);
+    assert!(why.reason.contains("panicked"), "{why}");
+    assert_eq!(refusal(control.add("good.list", "1")).kind, RefusalKind::Invalid);
+}
+
+#[test]
+fn a_file_that_is_no_schedule_at_all_has_an_answer_that_can_be_taken() {
+    let stage = Stage::new();
+    let garbage = "no ".repeat(200_000);
+    let why = refusal(stage.client().add("garbage.list", &garbage));
+    let (last, told) = why.problems.split_last().unwrap();
+    let untold: usize = last.message.split(' ').next().unwrap().parse().unwrap();
+    assert_eq!(told.len() + untold, 200_000, "{}", last.message);
+    assert!(told.len() > 1000 && told[0].line == Some(1));
+}
+
 #[test]
 fn clients_are_served_side_by_side_and_each_hears_its_own_answers() {
     let stage = Stage::new();
@@ -162,13 +237,14 @@ fn clients_are_served_side_by_side_and_each_hears_its_own_answers() {
                 for round in 0..50 {
                     control.add("a.list", &format!("{}", number * 100 + round)).unwrap();
                     let missing = refusal(control.remove(&[number * 100 + 99]));
-                    assert!(missing.reason.ends_with(&format!(" {}", number * 100 + 99)));
+                    let about = format!("task {} ", number * 100 + 99);
+                    assert!(missing.reason.starts_with(&about), "{missing}");
                 }
             })
         })
         .collect();
     clients.into_iter().for_each(|client| client.join().unwrap());
-    assert_eq!(stage.schedule.lock().unwrap().tasks.len(), 400);
+    assert_eq!(stage.schedule.lock().unwrap().tasks.len(), 400 + THERE);
 }
 
 #[test]

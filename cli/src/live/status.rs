@@ -2,7 +2,7 @@
 
 use anstyle::Style;
 use comfy_table::Cell;
-use faregate_client::wire::control::{State, Status, StatusQuery, TaskRow};
+use faregate_client::wire::control::{State, Status, TaskRow};
 
 use crate::args::{Format, StatusArgs};
 use crate::exit::{Exit, Failure};
@@ -14,7 +14,7 @@ pub(crate) fn status(args: &StatusArgs) -> Result<Exit, Failure> {
     let status = if args.tasks.is_empty() {
         control.status()?
     } else {
-        control.status_of(StatusQuery { tasks: args.tasks.clone(), ..StatusQuery::default() })?
+        control.status_of_tasks(&args.tasks)?
     };
     match args.format {
         Format::Json => out::json(&status)?,

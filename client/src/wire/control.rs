@@ -13,7 +13,7 @@ use crate::wire::{Asked, Id, Unreadable};
 /// one message.
 pub const MAX_LINE: usize = 8 * 1024 * 1024;
 
-/// The most tasks that one answer tells of.
+/// The most tasks that one answer tells of, and that one question can name.
 pub const MAX_ROWS: u32 = 1000;
 
 /// What an operator asks.
@@ -84,7 +84,7 @@ pub enum Ask {
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StatusQuery {
-    /// These; empty: all.
+    /// These, at most [`MAX_ROWS`] of them; empty: all.
     #[serde(default)]
     pub tasks: Vec<u32>,
     /// How many of them are left out, from the first.

@@ -3,7 +3,7 @@
 use faregate_client::wire::control::{Ask, When as SaidWhen, Window as SaidWindow};
 use faregate_client::{RefusalKind, Refused};
 
-use crate::control::{ReadSchedule, What};
+use crate::control::{MISTAKES, ReadSchedule, What, reading};
 use crate::manager::{Addition, Telecommand};
 use crate::task::{TaskId, TaskPriority, When, Window};
 use crate::time::{Duration, UnixTime};
@@ -34,7 +34,7 @@ fn invalid(why: impl Into<String>) -> Refused {
 }
 
 fn additions(name: &str, text: &str, schedules: &dyn ReadSchedule) -> Result<Telecommand, Refused> {
-    let tasks = schedules.read(name, text)?;
+    let tasks = reading::read(schedules, name, text, MISTAKES)?;
     if tasks.is_empty() {
         return Err(invalid(format!("{name} holds no task")));
     }

@@ -3,13 +3,12 @@
 
 use std::fs::File;
 use std::io::Read as _;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 use crossbeam::channel::{Receiver, Sender, unbounded};
 use rustix::fs::{Mode, OFlags, open};
 
-use crate::control::{MAX_FILE, ReadSchedule};
+use crate::control::{MAX_FILE, MISTAKES_OF_FILE, ReadSchedule, reading};
 use crate::executive::{LoadedFile, Waker};
 use crate::manager::Attempt;
 
@@ -75,12 +74,10 @@ impl Reader {
     }
 }
 
-/// A reader that panics has failed with this file, and reads the next one.
 fn load(schedules: &dyn ReadSchedule, path: &str) -> LoadedFile {
     let text = text(path).map_err(|why| format!("{path}: {why}"))?;
-    let read = catch_unwind(AssertUnwindSafe(|| schedules.read(path, &text)));
-    let read = read.map_err(|_| format!("{path}: its reader panicked: a defect of the manager"))?;
-    read.map_err(|refused| refused.to_string())
+    let read = reading::read(schedules, path, &text, MISTAKES_OF_FILE);
+    read.map_err(|refused| format!("{path}: {refused}"))
 }
 
 /// Opening what is no file must not wait either: a pipe would, for a writer.
@@ -144,7 +141,7 @@ mod tests {
         let path = directory.path().join("bad.txt");
         fs::write(&path, "").unwrap();
         let panics = |_: &str, _: &str| panic!("as it is to");
-        let failed = load(&panics, path.to_str().unwrap());
-        assert!(failed.unwrap_err().contains("its reader panicked"));
+        let failed = load(&panics, path.to_str().unwrap()).unwrap_err();
+        assert!(failed.contains("bad.txt: its reader panicked"), "{failed}");
     }
 }

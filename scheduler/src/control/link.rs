@@ -86,15 +86,17 @@ impl Links {
             for Asked { id: ask, what } in asked.drain(..) {
                 match what {
                     What::Status(query) => {
-                        let status = status::answer(&query, source, now);
-                        link.answer(now, ask, Answer::Status(status));
+                        link.answer(now, ask, status::answer(query, source, now));
                     }
-                    What::Telecommand(telecommand) => {
-                        let id = TelecommandId(self.next);
-                        self.next += 1;
-                        self.open.insert(id, (index, ask));
-                        events.push(Event::Telecommand { id, telecommand });
-                    }
+                    What::Telecommand(telecommand) => match unknown(&telecommand, source) {
+                        Some(why) => link.answer(now, ask, Answer::Refused(why)),
+                        None => {
+                            let id = TelecommandId(self.next);
+                            self.next += 1;
+                            self.open.insert(id, (index, ask));
+                            events.push(Event::Telecommand { id, telecommand });
+                        }
+                    },
                 }
             }
         }
@@ -102,6 +104,25 @@ impl Links {
             ports.poll(events);
         }
     }
+}
+
+/// Why a telecommand is about nothing that is there, if it is. The manager would
+/// refuse it, too, but only in words: programs know this refusal by its kind.
+fn unknown(telecommand: &Telecommand, source: &impl StatusSource) -> Option<Refused> {
+    let tasks = match telecommand {
+        Telecommand::Remove(tasks) => tasks.as_slice(),
+        Telecommand::SetPriority(task, _)
+        | Telecommand::SetWindows(task, _)
+        | Telecommand::Hold(task)
+        | Telecommand::Resume(task) => core::slice::from_ref(task),
+        Telecommand::EnterMode(mode) | Telecommand::LeaveMode(mode) => {
+            let why = || format!("the mission has no mode {mode}");
+            return (!source.has_mode(mode)).then(|| Refused::new(RefusalKind::Invalid, why()));
+        }
+        Telecommand::Add(_) | Telecommand::Clear { .. } | Telecommand::ShutDown => &[],
+    };
+    let missing = tasks.iter().find(|task| source.task(**task).is_none())?;
+    Some(Refused::new(RefusalKind::UnknownTask, format!("{missing} is not in the schedule")))
 }
 
 impl Outside for Links {

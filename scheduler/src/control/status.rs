@@ -1,6 +1,9 @@
 //! Where the tasks stand, for who asks.
 
-use faregate_client::wire::control::{MAX_ROWS, State as Told, Status, StatusQuery, TaskRow};
+use faregate_client::wire::control::{
+    Answer, MAX_ROWS, State as Told, Status, StatusQuery, TaskRow,
+};
+use faregate_client::{RefusalKind, Refused};
 
 use crate::manager::{Attempt, Manager, State, TaskStatus};
 use crate::task::{Outcome, Task, TaskId};
@@ -13,6 +16,9 @@ pub trait StatusSource {
 
     /// The task, if it is in the schedule.
     fn task(&self, id: TaskId) -> Option<&Task>;
+
+    /// Whether the mission has a mode of this name.
+    fn has_mode(&self, name: &str) -> bool;
 }
 
 impl StatusSource for Manager {
@@ -23,17 +29,32 @@ impl StatusSource for Manager {
     fn task(&self, id: TaskId) -> Option<&Task> {
         Self::task(self, id)
     }
+
+    fn has_mode(&self, name: &str) -> bool {
+        Self::has_mode(self, name)
+    }
 }
 
 /// The answer to a query, at this instant.
 ///
 /// # Timing
 /// A step for each task up to the last one in the answer, which has at most
-/// [`MAX_ROWS`]: long schedules are told in several answers, so that no
-/// question keeps the manager for long.
-pub(super) fn answer(query: &StatusQuery, source: &impl StatusSource, now: Now) -> Status {
+/// [`MAX_ROWS`]: long schedules are told in several answers, and asked of in
+/// several questions, so that none keeps the manager for long.
+pub(super) fn answer(query: StatusQuery, source: &impl StatusSource, now: Now) -> Answer {
+    let asked = query.tasks.len();
+    if u32::try_from(asked).is_ok_and(|asked| asked <= MAX_ROWS) {
+        return Answer::Status(status(query, source, now));
+    }
+    let why = format!("one question is about {MAX_ROWS} tasks at the most, and this about {asked}");
+    Answer::Refused(Refused::new(RefusalKind::Invalid, why))
+}
+
+fn status(mut query: StatusQuery, source: &impl StatusSource, now: Now) -> Status {
     let limit = query.limit.unwrap_or(MAX_ROWS).min(MAX_ROWS);
-    let wanted = |id: TaskId| query.tasks.is_empty() || query.tasks.contains(&id.get());
+    query.tasks.sort_unstable();
+    let tasks = query.tasks;
+    let wanted = |id: TaskId| tasks.is_empty() || tasks.binary_search(&id.get()).is_ok();
     let mut rest = source
         .each()
         .filter(|status| wanted(status.occurrence.task))

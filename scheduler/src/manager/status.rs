@@ -27,6 +27,12 @@ impl Manager {
         Some(&self.entry(*self.by_id.get(&id)?)?.task)
     }
 
+    /// Whether the mission has a mode of this name.
+    #[must_use]
+    pub fn has_mode(&self, name: &str) -> bool {
+        self.mission.modes.iter().any(|mode| mode.name == name)
+    }
+
     /// What the tickets of an occurrence that lives are for.
     #[must_use]
     pub fn needs(&self, occurrence: Occurrence) -> Option<Needs> {

@@ -46,11 +46,27 @@ pub(crate) fn read(name: &str, text: &str) -> Result<Vec<Task>, Refused> {
     Err(Refused::new(RefusalKind::Invalid, format!("{name} is not loaded")).with_problems(problems))
 }
 
+/// A task that the manager does not let go.
+pub(crate) const KEPT: TaskId = TaskId::new(7).unwrap();
+
+/// How many tasks are there from the beginning.
+pub(crate) const THERE: usize = 9;
+
 /// What stands where a manager will.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Schedule {
     pub(crate) tasks: Vec<Task>,
     pub(crate) heard: Vec<Telecommand>,
+}
+
+impl Default for Schedule {
+    fn default() -> Self {
+        Self { tasks: holds(u32::try_from(THERE).unwrap()), heard: Vec::new() }
+    }
+}
+
+fn holds(many: u32) -> Vec<Task> {
+    (1..=many).map(|number| Task::new(id(number), Body::Hold)).collect()
 }
 
 impl StatusSource for Schedule {
@@ -67,6 +83,10 @@ impl StatusSource for Schedule {
     fn task(&self, id: TaskId) -> Option<&Task> {
         self.tasks.iter().find(|task| task.id == id)
     }
+
+    fn has_mode(&self, name: &str) -> bool {
+        name == "recovery"
+    }
 }
 
 impl Schedule {
@@ -77,8 +97,8 @@ impl Schedule {
                 self.tasks.extend(additions.into_iter().map(|addition| addition.task));
                 Reply::Done
             }
-            Telecommand::Remove(ids) if ids.iter().any(|id| self.task(*id).is_none()) => {
-                Reply::Refused(format!("there is no {}", ids[0]))
+            Telecommand::Remove(ids) if ids.contains(&KEPT) => {
+                Reply::Refused(format!("{KEPT} cannot be spared"))
             }
             _ => Reply::Done,
         }
@@ -188,8 +208,7 @@ impl Stage {
     /// As many tasks as two answers and a bit hold.
     pub(crate) fn fill(&self) -> u32 {
         let many = 2 * MAX_ROWS + 3;
-        let tasks = (1..=many).map(|number| Task::new(id(number), Body::Hold)).collect();
-        self.schedule.lock().unwrap().tasks = tasks;
+        self.schedule.lock().unwrap().tasks = holds(many);
         many
     }
 }
