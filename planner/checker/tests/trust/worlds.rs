@@ -187,7 +187,8 @@ impl Make {
         }
         clear_of_windows(plan, &state);
         if self.chance(25) {
-            let gone = self.window(windows, now.before(self.span(110, 150)));
+            let ago = self.span(110, 150);
+            let gone = self.window(windows, now.before(ago));
             state.windows.insert(0, gone);
         }
         state
