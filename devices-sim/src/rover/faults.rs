@@ -8,7 +8,7 @@ use super::model::WindowModel;
 /// Something goes wrong, or is otherwise than planned.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum RoverFault {
-    /// A zone's heater draws and heats nothing.
+    /// A zone's heater does nothing.
     HeaterDead {
         /// Which zone.
         zone: usize,

@@ -44,6 +44,11 @@ impl Gauge {
         }
     }
 
+    /// What has not arrived is lost.
+    pub(super) fn forget(&mut self) {
+        self.on_its_way.clear();
+    }
+
     pub(super) fn said(&self) -> Option<Measured<i64>> {
         self.said
     }

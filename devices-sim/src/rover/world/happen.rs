@@ -4,6 +4,7 @@ use faregate_tickets::clock::Duration;
 
 use super::{ComputerMode, RoverEvent, World};
 use crate::rover::faults::RoverFault;
+use crate::rover::gauge::Gauge;
 use crate::rover::model::WindowModel;
 
 impl World {
@@ -32,7 +33,11 @@ impl World {
     pub(super) fn enter(&mut self, mode: ComputerMode) {
         self.mode = mode;
         self.events.push((self.now, RoverEvent::Computer(mode)));
-        if mode == ComputerMode::Awake {
+        if mode != ComputerMode::Awake {
+            // Nobody is there to read what is on its way.
+            self.charge.forget();
+            self.thermometers.iter_mut().for_each(Gauge::forget);
+        } else if !self.script.is_silent(self.now) {
             // Who wakes up looks around first.
             self.measure();
             let lag = Duration::ZERO;
