@@ -71,14 +71,24 @@ impl Rest<'_> {
         if let Some(late) = with.late.iter().find(new) {
             broken.push(Broken { kind: Kind::Lead, at: late.at.at, amount: late.by });
         }
-        for block in &self.problem.blocks {
-            if slot.start < block.to && block.from < slot.end {
-                let at = slot.start.max(block.from);
-                let amount = slot.end.min(block.to) - at;
-                broken.push(Broken { kind: Kind::Computer, at, amount });
-            }
-        }
+        broken.extend(self.in_blocks(slot, &placed));
         broken
+    }
+
+    /// Where it, or what is heated because of it, meets a manual shutdown.
+    fn in_blocks(&self, slot: Placement, with: &Placed) -> Vec<Broken> {
+        let zones = with.zones.iter().zip(&self.placed.zones);
+        let heats = zones.flat_map(|(with, without)| {
+            let heats = with.heats.iter().flatten();
+            heats.filter(|heat| !without.heats.iter().flatten().any(|old| old == *heat))
+        });
+        let spans = heats.map(|heat| (heat.from, heat.to)).chain([(slot.start, slot.end)]);
+        let spans: Vec<_> = spans.filter(|(from, to)| from < to).collect();
+        let meets = self.problem.blocks.iter().flat_map(|block| {
+            let both = spans.iter().map(|(from, to)| (block.from.max(*from), block.to.min(*to)));
+            both.filter(|(from, to)| from < to).min()
+        });
+        meets.map(|(at, to)| Broken { kind: Kind::Computer, at, amount: to - at }).collect()
     }
 }
 

@@ -244,6 +244,7 @@ proptest! {
             if let Some(conflict) = conflict {
                 prop_assert!(conflict.amount > 0, "{:?}", conflict);
                 prop_assert!(conflict.at.get() >= start && conflict.at.get() <= END, "{:?}", conflict);
+                prop_assert!(conflict.at <= conflict.worst && conflict.worst.get() <= END);
             }
         }
     }

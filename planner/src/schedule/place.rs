@@ -1,12 +1,14 @@
 //! One candidate's turn.
 
+use std::collections::BTreeMap;
+
 use crate::derive::Placement;
 use crate::judge::{Broken, Kind, Rest};
 use crate::plan::{ActivityId, Dependency, Outcome};
 use crate::problem::{Known, Problem, Range};
 use crate::search::Effort;
 use crate::timed::{Excess, Limit, Reason, Slot};
-use crate::timeline::{Claim, Intervals, Timelines};
+use crate::timeline::{Claim, Conflict, Intervals, Timelines};
 use crate::units::Time;
 
 use super::Pass;
@@ -167,23 +169,34 @@ impl Pass<'_> {
 
     /// The first limit that blocks a start.
     pub(crate) fn in_the_way(&self, item: usize, start: i64) -> Reason {
+        self.all_in_the_way(item, start).pop_first().map_or(Reason::NoRangeLeft, |(_, it)| it)
+    }
+
+    /// Every limit that blocks a start: when it is broken by the most, and by
+    /// how much then.
+    pub(crate) fn all_in_the_way(&self, item: usize, start: i64) -> BTreeMap<Limit, Reason> {
         let it = &self.problem.items[item];
         let slot = Placement { item, start, end: start + it.shortest };
-        let mut all: Vec<Reason> =
-            self.rest().breaks(slot, !it.mandatory).into_iter().map(broken).collect();
-        if let Some(conflict) = self.timelines.conflict(&self.claims[item], Time::new(start)) {
-            all.push(Reason::Limit {
-                limit: conflict.limit,
-                at: conflict.at,
-                amount: conflict.amount,
-                with: conflict.with,
-            });
+        let mut all = BTreeMap::new();
+        for Conflict { limit, at, worst, amount, with } in
+            self.timelines.conflicts(&self.claims[item], Time::new(start))
+        {
+            let at = if matches!(limit, Limit::Resources(_)) { at } else { worst };
+            all.insert(limit.clone(), Reason::Limit { limit, at, amount, with });
         }
-        let rank = |reason: &Reason| match reason {
-            Reason::Limit { limit, with, .. } => (limit.clone(), with.is_none()),
-            _ => (Limit::Dependency, true),
-        };
-        all.into_iter().min_by_key(rank).unwrap_or(Reason::NoRangeLeft)
+        for Broken { kind, at, amount } in self.rest().breaks(slot, !it.mandatory) {
+            let (limit, at) = (limit(kind), Time::new(at));
+            // Of the peak, timelines know what activities have in it: less than
+            // the whole, but who they are.
+            let with = match all.get(&limit) {
+                Some(Reason::Limit { with, .. }) => *with,
+                _ => None,
+            };
+            if limit != Limit::Computer || !all.contains_key(&limit) {
+                all.insert(limit.clone(), Reason::Limit { limit, at, amount, with });
+            }
+        }
+        all
     }
 
     /// Places it, and notes what it exceeds because it may.
@@ -221,13 +234,12 @@ fn satisfies(on: &Dependency, outcome: Outcome) -> bool {
     on.statuses.iter().any(|status| status.includes(outcome))
 }
 
-fn broken(broken: Broken) -> Reason {
-    let limit = match broken.kind {
+const fn limit(kind: Kind) -> Limit {
+    match kind {
         Kind::Soft => Limit::SoftMinimum,
         Kind::Handover => Limit::Handover,
         Kind::Peak => Limit::Peak,
         Kind::Computer => Limit::Computer,
         Kind::Lead => Limit::Lead,
-    };
-    Reason::Limit { limit, at: Time::new(broken.at), amount: broken.amount, with: None }
+    }
 }

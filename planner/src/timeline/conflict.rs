@@ -6,11 +6,10 @@ use crate::plan::ActivityId;
 use crate::timed::Limit;
 use crate::units::Time;
 
-use super::claim::{Claim, FINE};
+use super::claim::{Claim, FINE, Touch};
 use super::line::Line;
-use super::named::{Named, Outcome, during, keep, one, setter};
-use super::settings::Off;
-use super::starts::{Keep, Part, broken};
+use super::named::{Outcome, during, keep, one, setter};
+use super::starts::{Breach, Keep, Part, broken};
 use super::{Limited, Timelines, at_most, bits, narrow};
 
 /// A limit that a start breaks.
@@ -20,11 +19,13 @@ pub struct Conflict {
     pub limit: Limit,
     /// The first instant at which it is broken.
     pub at: Time,
-    /// By how much at most: bytes, mW, engines, the timeline's own unit
-    /// (rounded up); for bits the ms from then on until they are free.
+    /// The first instant at which it is broken by the most.
+    pub worst: Time,
+    /// By how much then: bytes, mW, engines, the timeline's own unit (rounded
+    /// up); for bits the ms from the first instant on until they are free.
     pub amount: i64,
-    /// Who holds the bits, or is the largest of those that run then; `None`
-    /// where it is a window, or where nobody is.
+    /// Who holds the bits, or is the largest of those that run at the worst
+    /// instant; `None` where it is a window, or where nobody is.
     pub with: Option<ActivityId>,
 }
 
@@ -33,54 +34,57 @@ impl Timelines {
     /// valid.
     #[must_use]
     pub fn conflict(&self, claim: &Claim, start: Time) -> Option<Conflict> {
-        let data = if claim.limited { claim.volume() } else { None };
-        let (peak, engines) = (claim.over(claim.peak.into()), claim.over(claim.engines.into()));
-        let at = start.get();
-        self.sum(Limit::Data, &self.data, data, at, |claim| claim.data.into())
-            .or_else(|| self.sum(Limit::Peak, &self.peak, peak, at, |claim| claim.peak.into()))
-            .or_else(|| {
-                self.sum(Limit::Engines, &self.engines, engines, at, |claim| claim.engines.into())
-            })
-            .or_else(|| self.held(claim, at))
-            .or_else(|| self.named.iter().find_map(|named| self.off_range(named, claim, at)))
+        self.conflicts(claim, start).next()
     }
 
-    fn sum(
-        &self,
-        limit: Limit,
-        sum: &Limited,
-        part: Option<Part>,
-        start: i64,
-        size: impl Fn(&Claim) -> i128,
-    ) -> Option<Conflict> {
-        let (at, amount) = broken(&sum.line, part.as_slice(), at_most(sum.max), start, true)?;
-        let with = self.running(at).filter(|claim| size(claim) > 0).max_by_key(|claim| size(claim));
-        Some(Conflict {
-            limit,
-            at: Time::new(at),
-            amount: narrow(amount),
-            with: with.and_then(|claim| claim.id),
-        })
+    /// All limits, in their order, that block a start.
+    pub fn conflicts(&self, claim: &Claim, start: Time) -> impl Iterator<Item = Conflict> {
+        let at = start.get();
+        let sums = [Limit::Data, Limit::Peak, Limit::Engines].into_iter();
+        let sums = sums.filter_map(move |limit| self.sum(limit, claim, at));
+        let held = core::iter::once_with(move || self.held(claim, at)).flatten();
+        let named = claim.named.iter().filter_map(move |touch| self.off_range(touch, claim, at));
+        sums.chain(held).chain(named)
+    }
+
+    fn sum(&self, limit: Limit, claim: &Claim, start: i64) -> Option<Conflict> {
+        type Size = fn(&Claim) -> i128;
+        let (sum, part, size): (&Limited, Option<Part>, Size) = match limit {
+            Limit::Data => {
+                let part = if claim.limited { claim.volume() } else { None };
+                (&self.data, part, |claim| claim.data.into())
+            }
+            Limit::Peak => (&self.peak, claim.over(claim.peak.into()), |claim| claim.peak.into()),
+            Limit::Engines => {
+                (&self.engines, claim.over(claim.engines.into()), |claim| claim.engines.into())
+            }
+            _ => return None,
+        };
+        let breach = broken(&sum.line, part.as_slice(), at_most(sum.max), start, true)?;
+        let beside = self.running(breach.worst).filter(|claim| size(claim) > 0);
+        let with = beside.max_by_key(|claim| size(claim)).and_then(|claim| claim.id);
+        Some(conflict(limit, breach, with))
     }
 
     fn held(&self, claim: &Claim, start: i64) -> Option<Conflict> {
         let part = claim.over(1);
         let found = |line: &Line| broken(line, part.as_slice(), at_most(1), start, true);
-        let taken = bits(claim).filter_map(|bit| Some((found(self.bits.get(&bit)?)?.0, bit)));
-        let (at, _) = taken.min()?;
+        let taken = bits(claim).filter_map(|bit| Some(found(self.bits.get(&bit)?)?.first));
+        let at = taken.min()?;
         let (from, with) = self.under(at).find(|(_, other)| other.bits & claim.bits != 0)?;
-        Some(Conflict {
-            limit: Limit::Resources(Categories::from_mask(with.bits & claim.bits).mask()),
-            at: Time::new(at),
-            amount: from.saturating_add(with.length).saturating_sub(at),
-            with: with.id,
-        })
+        let limit = Limit::Resources(Categories::from_mask(with.bits & claim.bits).mask());
+        let until = from.saturating_add(with.length).saturating_sub(at);
+        Some(conflict(limit, Breach::at(at, until.into()), with.id))
     }
 
-    fn off_range(&self, named: &Named, claim: &Claim, start: i64) -> Option<Conflict> {
-        let touch = claim.named.iter().find(|touch| self.named.get(touch.line) == Some(named))?;
+    fn off_range(&self, touch: &Touch, claim: &Claim, start: i64) -> Option<Conflict> {
+        let named = self.named.get(touch.line)?;
         let off = match &named.result {
-            Outcome::Set(set) => set.off(setter(touch, claim), start, &named.ranges()),
+            Outcome::Set(set) => {
+                let ranges = named.ranges();
+                let off = set.off(setter(touch, claim), start, &ranges);
+                off.map(|(at, by)| Breach::at(at, by)).reduce(Breach::and)
+            }
             Outcome::Sum(line) => {
                 let others = named.ranges().into_iter();
                 let others =
@@ -93,22 +97,18 @@ impl Timelines {
                 });
                 let own =
                     own.and_then(|own| broken(line, &during(touch, claim), own, start, false));
-                let off = others.chain([own]).flatten().min();
-                off.map(|(at, amount)| (at, (amount + FINE - 1).div_euclid(FINE)))
+                let off = others.chain([own]).flatten().reduce(Breach::and);
+                off.map(|off| Breach { by: (off.by + FINE - 1).div_euclid(FINE), ..off })
             }
         };
         let unit = named.holders.as_ref().filter(|_| touch.holds);
         let unit = unit.and_then(|line| broken(line, &[one(claim)], at_most(1), start, true));
-        let (at, amount): Off = off.or(unit)?;
+        let breach = off.or(unit)?;
         let others = self
-            .running(at)
+            .running(breach.worst)
             .filter(|other| other.named.iter().any(|theirs| theirs.line == touch.line));
-        Some(Conflict {
-            limit: Limit::Timeline(named.name.clone()),
-            at: Time::new(at),
-            amount: narrow(amount),
-            with: others.filter_map(|other| other.id).next(),
-        })
+        let with = others.filter_map(|other| other.id).next();
+        Some(conflict(Limit::Timeline(named.name.clone()), breach, with))
     }
 
     /// What is placed over an instant.
@@ -122,4 +122,9 @@ impl Timelines {
         let begun = begun.map(|(&(start, _), claim)| (start, claim));
         begun.filter(move |(start, claim)| at < start.saturating_add(claim.length))
     }
+}
+
+fn conflict(limit: Limit, breach: Breach, with: Option<ActivityId>) -> Conflict {
+    let (at, worst) = (Time::new(breach.first), Time::new(breach.worst));
+    Conflict { limit, at, worst, amount: narrow(breach.by), with }
 }

@@ -88,45 +88,53 @@ impl Settings {
         cells.dedup();
         let nexts = cells.iter().skip(1).copied().chain([within.1.saturating_add(1)]);
         for (&first, next) in cells.iter().zip(nexts) {
-            if self.off(setter, first, ranges).is_some() {
+            if self.off(setter, first, ranges).next().is_some() {
                 bad.push((first, next - 1));
             }
         }
     }
 
-    /// The first thing that is wrong with a start.
-    pub(crate) fn off(&self, setter: Setter, start: i64, ranges: &[Range]) -> Option<Off> {
-        let theirs = keys(setter, start).filter_map(|(key, value)| {
+    /// Everything that is wrong with a start, in no order.
+    pub(crate) fn off<'s>(
+        &'s self,
+        setter: Setter,
+        start: i64,
+        ranges: &'s [Range],
+    ) -> impl Iterator<Item = Off> + 's {
+        let theirs = keys(setter, start).flat_map(move |(key, value)| {
             let until = self.next(key, setter, start);
             let before = self.before(key);
-            let seen = ranges.iter().filter(|range| range.from < until && key.0 < range.to);
-            let off = seen.filter_map(|range| {
+            let seen = ranges.iter();
+            let seen = seen.filter(move |range| range.from < until && key.0 < range.to);
+            let off = seen.filter_map(move |range| {
                 let past = worse(value, before, range)?;
                 Some((key.0.max(range.from), past.abs()))
             });
-            if key.0 < until { off.min() } else { None }
+            off.filter(move |_| key.0 < until)
         });
-        theirs.chain(self.own(setter, start)).min()
+        theirs.chain(self.own(setter, start))
     }
 
-    /// The first value that the setter itself cannot have while it runs.
-    fn own(&self, setter: Setter, start: i64) -> Option<Off> {
-        let (min, max) = setter.keep?;
+    /// The values that the setter itself cannot have while it runs.
+    fn own(&self, setter: Setter, start: i64) -> Vec<Off> {
+        let Some((min, max)) = setter.keep else { return Vec::new() };
         let end = start.saturating_add(setter.length);
+        if start >= end {
+            return Vec::new();
+        }
         let mine = keys(setter, start).find(|(key, _)| key.1 == START);
         let known = self.sets.range(..=(start, u8::MAX, usize::MAX)).next_back();
         let known = known.map(|(key, value)| (*key, *value));
         let first = known.max(mine).map_or(self.initial, |(_, value)| value);
-        let later = self.sets.range((start + 1, 0, 0)..(end.max(start + 1), 0, 0));
-        let later = later.map(|(key, value)| (*key, *value));
+        let later = self.sets.range((start + 1, 0, 0)..(end, 0, 0));
         let mut seen: Vec<(i64, i64)> = vec![(start, first)];
         for (key, value) in later {
             // Of two at one instant the later one holds.
             seen.retain(|(at, _)| *at != key.0);
-            seen.push((key.0, value));
+            seen.push((key.0, *value));
         }
         let off = |(at, value)| past(value, min, max).map(|past| (at, past.abs()));
-        if start < end { seen.into_iter().find_map(off) } else { None }
+        seen.into_iter().filter_map(off).collect()
     }
 
     /// When the value that is set at `key` is set again.
@@ -161,7 +169,7 @@ fn worse(value: i64, before: i64, range: &Range) -> Option<i128> {
 }
 
 /// How far a value is off a range: negative below it.
-fn past(value: i64, min: i64, max: i64) -> Option<i128> {
+pub(crate) fn past(value: i64, min: i64, max: i64) -> Option<i128> {
     let (value, min, max) = (i128::from(value), i128::from(min), i128::from(max));
     match () {
         () if value < min => Some(value - min),

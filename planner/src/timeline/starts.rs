@@ -177,57 +177,9 @@ fn narrow(wide: i128) -> i64 {
     i64::try_from(wide).unwrap_or(if wide < 0 { i64::MIN } else { i64::MAX })
 }
 
-/// The first instant at which one start breaks a range, and by how much it does
-/// at most; only where it makes things worse, if so asked.
-pub(crate) fn broken(
-    line: &Line,
-    parts: &[Part],
-    keep: Keep,
-    start: i64,
-    worse: bool,
-) -> Option<(i64, i128)> {
-    let both = parts.iter().flat_map(|&part| {
-        let parts = if worse { [part.worse(true), part.worse(false)] } else { [Some(part); 2] };
-        [over(line, parts[0], keep, start), under(line, parts[1], keep, start)]
-    });
-    both.flatten().reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
-}
+mod broken;
 
-fn over(line: &Line, part: Option<Part>, keep: Keep, start: i64) -> Option<(i64, i128)> {
-    let part = part?.bounded(line, (start, start));
-    let (from, to) = reach(part, keep, (start, start));
-    let pieces = line.pieces(from, to, |_, _| true);
-    excess(pieces.map(|piece| plus(piece, part, start)), keep.max)
-}
-
-fn under(line: &Line, part: Option<Part>, keep: Keep, start: i64) -> Option<(i64, i128)> {
-    let part = part?.bounded(line, (start, start));
-    let (from, to) = reach(part, keep, (start, start));
-    let pieces = line.pieces(from, to, |_, _| true);
-    let mirrored = pieces.map(|piece| {
-        let sum = plus(piece, part, start);
-        Piece { value: -sum.value, slope: -sum.slope, ..sum }
-    });
-    excess(mirrored, keep.min.checked_neg()?)
-}
-
-/// What the line has there with the part.
-fn plus(piece: Piece, part: Part, start: i64) -> Piece {
-    let age = i128::from(piece.from - start - part.from);
-    let value = piece.value + part.value + part.slope * age;
-    Piece { value, slope: piece.slope + part.slope, ..piece }
-}
-
-fn excess(pieces: impl Iterator<Item = Piece>, max: i128) -> Option<(i64, i128)> {
-    let past = pieces.filter_map(|piece| {
-        let (_, high) = piece.bounds();
-        let mut from = Bad::new();
-        let value = piece.value - piece.slope * i128::from(piece.from);
-        exceeds(piece.from, piece.to - 1, value, piece.slope, max, &mut from);
-        from.first().map(|&(from, _)| (from, high - max))
-    });
-    past.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
-}
+pub(crate) use broken::{Breach, broken};
 
 #[cfg(test)]
 mod tests;

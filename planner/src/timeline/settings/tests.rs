@@ -72,7 +72,7 @@ proptest! {
             let expected = is_valid(&values(&placed), &values(&with), (one, start), &ranges);
             let valid = !bad.iter().any(|&(a, b)| a <= start && start <= b);
             prop_assert_eq!(valid, expected, "start {}", start);
-            prop_assert_eq!(settings.off(one, start, &ranges).is_none(), expected);
+            prop_assert_eq!(settings.off(one, start, &ranges).next().is_none(), expected);
         }
         for (setter, start) in placed {
             settings.remove(setter, start);

@@ -75,8 +75,10 @@ proptest! {
             }).collect();
             let solved = bad.iter().any(|&(a, b)| a <= start && start <= b);
             prop_assert_eq!(solved, !tried.is_empty(), "start {}: {:?}", start, &tried);
-            let most = tried.iter().map(|(_, amount)| *amount).max();
-            let expected = tried.first().map(|(at, _)| *at).zip(most);
+            let most = tried.iter().map(|(at, by)| (*by, core::cmp::Reverse(*at))).max();
+            let expected = tried.first().zip(most).map(|((first, _), (by, worst))| {
+                Breach { first: *first, worst: worst.0, by }
+            });
             prop_assert_eq!(broken(&line, &[part], keep, start, only_worse), expected);
         }
     }
