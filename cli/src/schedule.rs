@@ -88,7 +88,7 @@ pub(crate) fn examine(args: &FilesArgs) -> Result<Examined, Failure> {
     let brought = mission(args, &mut examined)?;
     let conflict = args.conflict.into();
     let files = examined.sources.iter().take(args.files.len());
-    let mut tasks = Vec::new();
+    let mut read = Vec::new();
     for (index, source) in files.clone().enumerate() {
         let options = Options {
             conflict,
@@ -99,11 +99,16 @@ pub(crate) fn examine(args: &FilesArgs) -> Result<Examined, Failure> {
         match format::read_with(options, &source.name, &source.bytes) {
             Ok(mut loaded) => {
                 examined.diagnostics.append(&mut loaded.warnings);
-                tasks.append(&mut loaded.tasks);
+                read.push((source.name.as_str(), loaded));
             }
             Err(mut wrong) => examined.diagnostics.append(&mut wrong),
         }
     }
+    let together: Vec<_> = read.iter().map(|(name, loaded)| (*name, loaded)).collect();
+    // What is missed may be in a file that could not be read.
+    let whole = read.len() == args.files.len();
+    examined.diagnostics.extend(format::together(&together, whole));
+    let tasks = read.into_iter().flat_map(|(_, loaded)| loaded.tasks).collect();
     if !examined.diagnostics.iter().any(Diagnostic::is_error) {
         let names = files.map(|source| source.name.clone()).collect();
         let mut mission = brought.mission;

@@ -103,3 +103,24 @@ fn nothing_is_coloured_where_no_terminal_is() {
     let said = call_on("bad_schedule.csv", &["check", "{}"]);
     assert!(!said.err.contains('\u{1b}') && !said.out.contains('\u{1b}'), "{said:?}");
 }
+
+#[test]
+fn files_that_are_given_together_are_judged_together() {
+    let scratch = Scratch::new();
+    let header = "id,st,et,dur,con,pri,type,interval,args\n";
+    let one = scratch.file("one.csv", format!("{header}1,0,0,3,1,1,0,0,sleep 3\n"));
+    let same = scratch.file("same.csv", format!("{header}1,0,0,3,1,1,0,0,sleep 3\n"));
+    let after = "[[task]]\nid = 2\nhold = true\nafter = [1]\n";
+    let after = scratch.file("after.toml", after);
+    let check = |files: [&std::path::PathBuf; 2]| {
+        call(&["check".as_ref(), files[0].as_os_str(), files[1].as_os_str()])
+    };
+    let said = check([&one, &same]);
+    assert_eq!(said.code, 1, "the manager would refuse them: {said:?}");
+    assert!(said.err.contains("same.csv:2:1") && said.err.contains("one.csv"), "{said:?}");
+    assert_eq!(check([&one, &after]).code, 0);
+    let other = scratch.file("other.csv", format!("{header}7,0,0,3,1,1,0,0,sleep 3\n"));
+    let said = check([&other, &after]);
+    assert_eq!(said.code, 1, "{said:?}");
+    assert!(said.err.contains("there is no task 1"), "{said:?}");
+}

@@ -38,6 +38,7 @@ mod wrong;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+pub use check::together;
 pub use diagnostic::{Also, Diagnostic, Place, Rule, Severity};
 pub use render::render;
 pub use scalar::Conflict;

@@ -3,8 +3,10 @@
 mod circles;
 mod references;
 mod resources;
+mod together;
 
 pub(crate) use references::no_such;
+pub use together::together;
 
 use crate::format::diagnostic::Rule;
 use crate::format::draft::Draft;

@@ -46,18 +46,14 @@ pub(crate) fn unknown(drafts: &[Draft], judge: Judge<'_>, report: &mut Report<'_
 
 fn tasks(draft: &Draft, known: &BTreeMap<TaskId, &Draft>, report: &mut Report<'_>) {
     let missing = |id: &TaskId| !known.contains_key(id);
-    let wrong = |id: TaskId| {
-        Wrong::new(Rule::UnknownTask, format!("there is no {id} in the schedule"))
-            .expected("the number of a task of the schedule")
-    };
     for dependency in &draft.task.after {
         if missing(&dependency.task) {
-            report.error(draft.span("after"), "after", wrong(dependency.task));
+            report.error(draft.span("after"), "after", unknown_task(dependency.task));
         }
     }
     if let Some(cleanup) = draft.task.cleanup {
         match known.get(&cleanup) {
-            None => report.error(draft.span("cleanup"), "cleanup", wrong(cleanup)),
+            None => report.error(draft.span("cleanup"), "cleanup", unknown_task(cleanup)),
             Some(task) => times_of_cleanup(draft, task, report),
         }
     }
@@ -67,6 +63,12 @@ fn tasks(draft: &Draft, known: &BTreeMap<TaskId, &Draft>, report: &mut Report<'_
             report.warn(draft.span(draft.body), draft.body, wrong);
         }
     }
+}
+
+/// A task that is referred to, and is not there.
+pub(crate) fn unknown_task(id: TaskId) -> Wrong {
+    Wrong::new(Rule::UnknownTask, format!("there is no {id} in the schedule"))
+        .expected("the number of a task of the schedule")
 }
 
 /// A cleanup runs when another task has failed, whatever its own times say.
