@@ -1,7 +1,5 @@
 //! One line for each change: when, what, which task, why.
 
-use std::io;
-
 use anstyle::Style;
 use faregate_scheduler::manager::{Exit, Note, Occurrence};
 use faregate_scheduler::task::Outcome;
@@ -14,7 +12,12 @@ use crate::times::shown;
 pub(crate) struct Changes {
     /// The occurrence whose last attempt was just told to be over: that the
     /// occurrence is over is then no news.
-    told: Option<(Occurrence, Outcome)>,
+    over: Option<(Occurrence, Outcome)>,
+}
+
+/// How it is told that so many changes were not.
+pub(crate) fn lost(count: u64) -> String {
+    out::styled(ODD, format_args!("{count} changes were not told"))
 }
 
 /// A line, in its columns.
@@ -26,19 +29,16 @@ struct Line {
 }
 
 impl Changes {
-    /// Prints the change, if it is news.
-    pub(crate) fn tell(&mut self, at_us: u64, note: &Note) -> io::Result<()> {
-        match self.line(note) {
-            Some(line) => out::line(line.shown(at_us)),
-            None => Ok(()),
-        }
+    /// The change in a line, if it is news.
+    pub(crate) fn told(&mut self, at_us: u64, note: &Note) -> Option<String> {
+        self.line(note).map(|line| line.shown(at_us))
     }
 
     fn line(&mut self, note: &Note) -> Option<Line> {
-        let told = self.told.take();
+        let over = self.over.take();
         match note {
-            Note::Over { attempt, outcome, .. } => self.told = Some((attempt.occurrence, *outcome)),
-            Note::Ended { occurrence, outcome } if told == Some((*occurrence, *outcome)) => {
+            Note::Over { attempt, outcome, .. } => self.over = Some((attempt.occurrence, *outcome)),
+            Note::Ended { occurrence, outcome } if over == Some((*occurrence, *outcome)) => {
                 return None;
             }
             _ => {}
@@ -138,7 +138,7 @@ mod tests {
     }
 
     fn plain(changes: &mut Changes, note: &Note) -> Option<String> {
-        let line = changes.line(note)?.shown(5_000_001);
+        let line = changes.told(5_000_001, note)?;
         Some(anstream::adapter::strip_str(&line).to_string())
     }
 

@@ -1,6 +1,7 @@
 //! `run`: the stand-alone executive.
 
 mod descriptors;
+mod display;
 mod host;
 mod outside;
 mod tally;
@@ -15,7 +16,7 @@ use virtual_clock::Pace;
 
 pub(crate) fn run(args: &RunArgs) -> Result<Exit, Failure> {
     let schedule = schedule::read(&args.files)?;
-    let teller = Teller::new(args.format, &schedule.tasks);
+    let mut teller = Teller::new(args.format);
     teller.say(&schedule.summary());
     let teller = match (args.speed, args.virtual_clock) {
         (Some(speed), _) => virtual_clock::run(schedule, Pace::Times(speed), args.time, teller)?,
@@ -26,8 +27,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<Exit, Failure> {
 }
 
 /// The numbers of the run, and how the program ends with them.
-fn end(teller: Teller) -> Result<Exit, Failure> {
-    let tally = teller.tally().to_string();
-    teller.say(&tally);
-    teller.tally().wanting().map_or(Ok(Exit::Done), |why| Err(Failure::failed(why)))
+fn end(mut teller: Teller) -> Result<Exit, Failure> {
+    teller.say(&teller.tally.to_string());
+    teller.tally.wanting().map_or(Ok(Exit::Done), |why| Err(Failure::failed(why)))
 }

@@ -6,6 +6,7 @@
 mod support;
 
 use std::fs;
+use std::io::Read as _;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -182,4 +183,96 @@ fn a_run_goes_on_when_its_display_has_gone() {
     drop(child.stdout.take());
     assert_eq!(child.wait().unwrap().code(), Some(0));
     assert!(scratch.path("ran").exists());
+}
+
+/// A terminal in which somebody has stopped the output; here a pipe that nobody
+/// reads. The first task says more than a pipe holds.
+#[test]
+fn a_run_goes_on_when_its_display_stands_still() {
+    let scratch = Scratch::new();
+    let tasks: String = (1..=8)
+        .map(|id| format!("[[task]]\nid = {id}\nrun = 'sh loud.sh'\nmandatory = false\n"))
+        .collect();
+    scratch.file(
+        "loud.sh",
+        "yes 0123456789012345678901234567890123456789 | head -c 65536 >&2; exit 1",
+    );
+    let last = "
+        [[task]]
+        id = 9
+        run = 'touch ran'
+        after = [{ task = 1, status = 'failed' }, { task = 2, status = 'failed' },
+                 { task = 3, status = 'failed' }, { task = 4, status = 'failed' },
+                 { task = 5, status = 'failed' }, { task = 6, status = 'failed' },
+                 { task = 7, status = 'failed' }, { task = 8, status = 'failed' }]
+    ";
+    let mission = scratch.file("mission.toml", format!("{MISSION}{tasks}{last}"));
+    let mut child = faregate()
+        .arg("run")
+        .arg(&mission)
+        .current_dir(scratch.path(""))
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    wait_until("the last task has run", || scratch.path("ran").exists());
+    let mut out = String::new();
+    child.stdout.take().unwrap().read_to_string(&mut out).unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+    assert!(out.len() > 1 << 17, "the control is lost: a pipe holds it all");
+    assert!(out.ends_with("1 succeeded, 8 failed\n"), "what is said last is not lost");
+    assert!(out.contains(" changes were not told") || out.matches("0123456789\n").count() > 10_000);
+}
+
+#[test]
+fn a_mandatory_task_that_came_later_makes_the_run_fail_too() {
+    let scratch = Scratch::new();
+    let mission = scratch.file("mission.toml", MISSION);
+    let journal = scratch.path("kept");
+    let words = [mission.to_str().unwrap(), "--journal", journal.to_str().unwrap()];
+    let upload = |id, run: &str| {
+        let task = format!("[[task]]\nid = {id}\nrun = '{run}'\nmandatory = true\n");
+        scratch.file("upload.toml", task).display().to_string()
+    };
+    let mut run = Run::start(&scratch, &words);
+    run.must(&["add", &upload(1, "true")]);
+    run.until("succeeded task 1");
+    run.must(&["add", &upload(2, "sleep 600")]);
+    run.until("started task 2");
+    run.child.kill().unwrap();
+    run.child.wait().unwrap();
+    // It was accepted by the run before, and ends in this one.
+    let mut run = Run::start(&scratch, &words);
+    run.until("failed task 2");
+    let said = run.end();
+    assert_eq!(said.code, 1, "{said:?}");
+    assert!(said.err.contains("the mission needs it, but task 2 failed"), "{said:?}");
+
+    let mut run = Run::start(&scratch, &words);
+    run.must(&["add", &upload(3, "false")]);
+    run.until("failed task 3");
+    let said = run.end();
+    assert_eq!(said.code, 1, "{said:?}");
+    assert!(said.err.contains("but task 3 failed"), "{said:?}");
+}
+
+#[test]
+fn what_is_not_there_ends_with_the_code_of_what_is_refused_for_good() {
+    let scratch = Scratch::new();
+    let mission = scratch.file("mission.toml", MISSION);
+    let run = Run::start(&scratch, &[mission.to_str().unwrap()]);
+    for words in [
+        &["remove", "99"][..],
+        &["set", "99", "--priority", "3"],
+        &["set", "99", "--window", "+1..+2"],
+        &["hold", "99"],
+        &["resume", "99"],
+        &["status", "99"],
+        &["mode", "enter", "spring"],
+        &["mode", "leave", "spring"],
+    ] {
+        let said = run.operate(words);
+        assert_eq!(said.code, 5, "{words:?}: {said:?}");
+        assert!(said.err.contains("99") || said.err.contains("spring"), "{said:?}");
+    }
+    assert_eq!(run.end().code, 0);
 }

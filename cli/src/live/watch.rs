@@ -5,7 +5,7 @@ use faregate_scheduler::manager::Note;
 use serde_json::json;
 
 use crate::args::{Format, WatchArgs};
-use crate::changes::Changes;
+use crate::changes::{self, Changes};
 use crate::exit::{Exit, Failure};
 use crate::out;
 
@@ -30,14 +30,12 @@ fn tell(format: Format, change: &Change, changes: &mut Changes) -> Result<(), Fa
         (Format::Json, Change::Lost(count)) => out::json_line(&json!({ "lost": count }))?,
         (Format::Text, Change::Note { at_us, note, .. }) => {
             match serde_json::from_value::<Note>(note.clone()) {
-                Ok(note) => changes.tell(*at_us, &note)?,
+                Ok(note) => changes.told(*at_us, &note).map_or(Ok(()), out::line)?,
                 // A manager of a later version: better raw than not at all.
                 Err(_) => out::line(note)?,
             }
         }
-        (Format::Text, Change::Lost(count)) => {
-            out::line(out::styled(out::ODD, format_args!("{count} changes were not told")))?;
-        }
+        (Format::Text, Change::Lost(count)) => out::line(changes::lost(*count))?,
     }
     Ok(())
 }

@@ -10,13 +10,13 @@ use faregate_scheduler::control::Links;
 use faregate_scheduler::executive::Waker;
 use faregate_scheduler::manager::Note;
 use faregate_scheduler::onboard::{self, Kept, NotOnboard, Onboard};
-use faregate_scheduler::task::Outcome;
+use faregate_scheduler::task::{Outcome, Task};
 use faregate_scheduler::tickets::Tickets;
 use faregate_tickets::amount::Milliwatts;
 
 use super::descriptors;
 use super::outside::Ground;
-use super::teller::Teller;
+use super::teller::{Teller, harmless};
 use crate::args::RunArgs;
 use crate::exit::{Exit, Failure};
 use crate::schedule::{Loader, Schedule};
@@ -24,7 +24,12 @@ use crate::simulation::{self, Craft, Loads};
 
 /// Runs the schedule until it is over, its time has passed, or somebody stops
 /// it.
-pub(crate) fn run(args: &RunArgs, schedule: Schedule, teller: Teller) -> Result<Teller, Failure> {
+pub(crate) fn run(
+    args: &RunArgs,
+    schedule: Schedule,
+    mut teller: Teller,
+) -> Result<Teller, Failure> {
+    teller.wait_for_nobody().map_err(NotOnboard::from)?;
     let Schedule { tasks, mission, loader, .. } = schedule;
     let craft = Craft::new(&mission, args.seed)?;
     let open_files = descriptors::raise();
@@ -56,6 +61,7 @@ pub(crate) fn run(args: &RunArgs, schedule: Schedule, teller: Teller) -> Result<
     }
     if goes_on {
         executive.outside().teller.say("Going on where the journal ends.");
+        learn_all(&mut executive);
     } else {
         executive.load(tasks)?;
     }
@@ -63,9 +69,18 @@ pub(crate) fn run(args: &RunArgs, schedule: Schedule, teller: Teller) -> Result<
     end(executive)
 }
 
+/// The tasks of the journal: nobody tells of them that they were accepted.
+fn learn_all(executive: &mut Onboard<Ground>) {
+    let manager = executive.manager();
+    let tasks = manager.status().filter_map(|status| manager.task(status.occurrence.task));
+    let tasks: Vec<Task> = tasks.cloned().collect();
+    tasks.iter().for_each(|task| executive.outside().teller.tally.learn(task));
+}
+
 /// A process that outlived an earlier run of the manager.
 fn ended(Swept { pid, task, command }: &Swept) -> String {
     let whose = task.map(|task| format!(" of task {task}")).unwrap_or_default();
+    let command = harmless(command);
     format!("Ended process {pid}{whose}, which an earlier run had left: {command}")
 }
 
@@ -89,6 +104,7 @@ fn drive(executive: &mut Onboard<Ground>, listens: bool) -> Result<(), Failure> 
 /// What follows from the last changes, beside that they were told.
 fn look(executive: &mut Onboard<Ground>, loads: &mut Loads) {
     for note in std::mem::take(&mut executive.outside().changes) {
+        count(executive, &note);
         let draw = loads.follow(&note, |attempt| {
             let task = executive.manager().task(attempt.occurrence.task);
             task.map_or(Milliwatts::ZERO, |task| task.peak_draw)
@@ -105,10 +121,22 @@ fn look(executive: &mut Onboard<Ground>, loads: &mut Loads) {
     }
 }
 
+/// Tasks come into the schedule from operators and from files, too.
+fn count(executive: &mut Onboard<Ground>, note: &Note) {
+    let accepted = match note {
+        Note::Accepted(id) => executive.manager().task(*id).cloned(),
+        _ => None,
+    };
+    let tally = &mut executive.outside().teller.tally;
+    accepted.iter().for_each(|task| tally.learn(task));
+    tally.count(note);
+}
+
 /// Says what the spacecraft has to say, and closes the journal in order.
 fn end(executive: Onboard<Ground>) -> Result<Teller, Failure> {
     let (_bodies, _tickets, kept, ground) = executive.into_ports();
-    let Ground { teller, craft, .. } = ground;
+    let Ground { mut teller, craft, .. } = ground;
+    teller.wait_again();
     craft.report().iter().for_each(|line| teller.say(line));
     if let Kept::Journal(journal) = kept {
         journal.close().map_err(|error| Failure::failed(error.to_string()))?;
@@ -121,7 +149,7 @@ fn cannot_go_on(error: io::Error) -> Failure {
 }
 
 /// A schedule as an operator sends it.
-fn read(loader: &Loader, name: &str, text: &str) -> Result<Vec<faregate_scheduler::Task>, Refused> {
+fn read(loader: &Loader, name: &str, text: &str) -> Result<Vec<Task>, Refused> {
     loader.read(name, text.as_bytes()).map_err(|found| onboard::refused(&found))
 }
 

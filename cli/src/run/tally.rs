@@ -22,10 +22,14 @@ pub(crate) struct Tally {
 }
 
 impl Tally {
-    /// Nothing has become of these tasks yet.
-    pub(crate) fn of(tasks: &[Task]) -> Self {
-        let mandatory = tasks.iter().filter(|task| task.mandatory).map(|task| task.id).collect();
-        Self { mandatory, ..Self::default() }
+    /// This task is in the schedule from now on: whether it is mandatory makes
+    /// the difference. Its number may have been another one's before.
+    pub(crate) fn learn(&mut self, task: &Task) {
+        if task.mandatory {
+            self.mandatory.insert(task.id);
+        } else {
+            self.mandatory.remove(&task.id);
+        }
     }
 
     /// Counts what the note tells.
@@ -104,7 +108,8 @@ mod tests {
             let id = TaskId::new(id).unwrap();
             Task { mandatory, ..Task::new(id, Body::Hold) }
         };
-        let mut tally = Tally::of(&[task(1, false), task(2, true)]);
+        let mut tally = Tally::default();
+        [task(1, false), task(2, true)].iter().for_each(|task| tally.learn(task));
         let ended = |id, outcome| Note::Ended {
             occurrence: Occurrence { task: TaskId::new(id).unwrap(), load: 0, number: 0 },
             outcome,
@@ -115,5 +120,9 @@ mod tests {
         tally.count(&ended(2, Outcome::Aborted));
         assert_eq!(tally.to_string(), "1 succeeded, 1 failed, 1 aborted");
         assert!(tally.wanting().unwrap().contains("task 2 was aborted"));
+        let mut tally = Tally::default();
+        [task(1, true), task(1, false)].iter().for_each(|task| tally.learn(task));
+        tally.count(&ended(1, Outcome::Failed));
+        assert_eq!(tally.wanting(), None, "it is another task of this number");
     }
 }

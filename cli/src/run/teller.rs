@@ -4,13 +4,14 @@
 use std::io;
 
 use faregate_scheduler::manager::Note;
-use faregate_scheduler::task::Task;
 use faregate_scheduler::time::Now;
 use serde::Serialize;
+use serde_json::json;
 
+use super::display::Display;
 use super::tally::Tally;
 use crate::args::Format;
-use crate::changes::Changes;
+use crate::changes::{self, Changes};
 use crate::out;
 
 /// Tells changes. Nobody may be listening: a run goes on without its display.
@@ -18,8 +19,11 @@ use crate::out;
 pub(crate) struct Teller {
     format: Format,
     changes: Changes,
-    tally: Tally,
+    /// What has become of the tasks: for whoever tells changes to count them.
+    pub(crate) tally: Tally,
     loading: bool,
+    /// Writes the lines; none: they are written at once.
+    display: Option<Display>,
 }
 
 /// A change, for programs.
@@ -31,49 +35,69 @@ struct Change<'a> {
 }
 
 impl Teller {
-    pub(crate) fn new(format: Format, tasks: &[Task]) -> Self {
-        let (changes, tally) = (Changes::default(), Tally::of(tasks));
-        Self { format, changes, tally, loading: true }
+    pub(crate) fn new(format: Format) -> Self {
+        let (changes, tally) = (Changes::default(), Tally::default());
+        Self { format, changes, tally, loading: true, display: None }
+    }
+
+    /// From now on nobody who tells something waits for a reader.
+    ///
+    /// # Errors
+    /// When the host has no thread left.
+    pub(crate) fn wait_for_nobody(&mut self) -> io::Result<()> {
+        let tells_lost = match self.format {
+            Format::Json => |count| json!({ "lost": count }).to_string(),
+            Format::Text => changes::lost,
+        };
+        self.display = Some(Display::new(tells_lost)?);
+        Ok(())
+    }
+
+    /// The run is over: what is still to be told waits for whoever reads it.
+    pub(crate) fn wait_again(&mut self) {
+        self.display = None;
     }
 
     /// Tells the change.
     pub(crate) fn tell(&mut self, now: Now, note: &Note) {
-        self.tally.count(note);
         // That the files' own tasks were accepted is said by that they run.
         self.loading &= matches!(note, Note::Accepted(_));
-        // Who has gone need not be told.
-        let _ = self.print(now, note);
+        let at_us = now.elapsed.as_micros();
+        let line = match self.format {
+            Format::Json => {
+                let change = Change { at_us, unix_us: now.wall.as_micros(), note };
+                serde_json::to_string(&change).ok()
+            }
+            Format::Text if self.loading => None,
+            Format::Text => self.changes.told(at_us, note),
+        };
+        line.into_iter().for_each(|line| self.put(line));
     }
 
-    fn print(&mut self, now: Now, note: &Note) -> io::Result<()> {
-        let at_us = now.elapsed.as_micros();
-        match self.format {
-            Format::Json => out::json_line(&Change { at_us, unix_us: now.wall.as_micros(), note }),
-            Format::Text if self.loading => Ok(()),
-            Format::Text => self.changes.tell(at_us, note),
+    /// Who has gone need not be told.
+    fn put(&mut self, line: String) {
+        match &mut self.display {
+            Some(display) => display.line(line),
+            None => drop(out::line(line)),
         }
     }
 
     /// Says something for people.
-    pub(crate) fn say(&self, text: &str) {
+    pub(crate) fn say(&mut self, text: &str) {
         if self.format == Format::Text {
-            let _ = out::line(text);
+            self.put(text.to_owned());
         }
     }
 
     /// Shows a line that a task has printed.
-    pub(crate) fn quote(&self, line: &str) {
+    pub(crate) fn quote(&mut self, line: &str) {
         self.say(&out::styled(out::FAINT, format_args!("{:14}| {}", "", harmless(line))));
-    }
-
-    pub(crate) fn tally(&self) -> &Tally {
-        &self.tally
     }
 }
 
 /// The line without what a terminal would obey: that is a task's own text, and
 /// not ours.
-fn harmless(line: &str) -> String {
+pub(super) fn harmless(line: &str) -> String {
     line.chars().filter(|letter| !letter.is_control()).collect()
 }
 

@@ -32,6 +32,7 @@ struct Audience {
 impl Outside for Audience {
     fn note(&mut self, now: Now, note: &Note) {
         self.teller.tell(now, note);
+        self.teller.tally.count(note);
     }
 
     fn answer(&mut self, _: Now, _: TelecommandId, reply: Reply) {
@@ -41,7 +42,9 @@ impl Outside for Audience {
     }
 
     fn load(&mut self, _: Attempt, path: &str) -> Option<LoadedFile> {
-        Some(self.loader.load(path))
+        let file = self.loader.load(path);
+        file.iter().flatten().for_each(|task| self.teller.tally.learn(task));
+        Some(file)
     }
 }
 
@@ -50,9 +53,10 @@ pub(crate) fn run(
     schedule: Schedule,
     pace: Pace,
     time: Option<Duration>,
-    teller: Teller,
+    mut teller: Teller,
 ) -> Result<Teller, Failure> {
     let Schedule { tasks, mission, loader, .. } = schedule;
+    tasks.iter().for_each(|task| teller.tally.learn(task));
     let audience = Audience { teller, refused: None, loader };
     let bodies = VirtualBodies::as_expected();
     let mut executive = VirtualExecutive::new(mission, times::now(), bodies, audience);
@@ -87,6 +91,26 @@ pub(crate) fn run(
 #[expect(clippy::disallowed_methods, reason = "the virtual clock is to be seen in real time")]
 fn wait(pace: Pace, began: StdInstant, instant: Instant) {
     let Pace::Times(times) = pace else { return };
-    let real = StdDuration::from_micros(instant.as_micros()).div_f64(times);
-    std::thread::sleep(real.saturating_sub(began.elapsed()));
+    std::thread::sleep(real(instant, times).saturating_sub(began.elapsed()));
+}
+
+/// When a virtual instant comes on the host's clock; at a speed of nearly
+/// nothing that is later than can be said.
+fn real(instant: Instant, times: f64) -> StdDuration {
+    let virtually = StdDuration::from_micros(instant.as_micros()).as_secs_f64();
+    StdDuration::try_from_secs_f64(virtually / times).unwrap_or(StdDuration::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_speed_of_nearly_nothing_waits_long_and_does_not_panic() {
+        let second = Instant::from_micros(1_000_000);
+        assert_eq!(real(second, 4.0), StdDuration::from_millis(250));
+        assert_eq!(real(second, 1e-30), StdDuration::MAX);
+        assert_eq!(real(second, f64::MIN_POSITIVE), StdDuration::MAX);
+        assert_eq!(real(Instant::START, 1e-30), StdDuration::ZERO);
+    }
 }
