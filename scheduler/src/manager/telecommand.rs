@@ -35,12 +35,13 @@ impl Step<'_> {
     fn find(&self, id: TaskId) -> Result<u32, String> {
         let index = self.manager.by_id.get(&id).copied();
         let lives = |index: &u32| self.entry(*index).is_some_and(|e| e.place != Place::Over);
-        index.filter(lives).ok_or_else(|| format!("{id} is not in the schedule"))
+        index.filter(lives).ok_or_else(|| missing(id))
     }
 
-    /// Removes tasks, all or none.
+    /// Removes tasks, all or none. One that is over is there until then.
     pub(crate) fn remove(&mut self, ids: &[TaskId]) -> Result<(), String> {
-        let indexes = ids.iter().map(|id| self.find(*id)).collect::<Result<Vec<_>, _>>()?;
+        let there = |id: &TaskId| self.manager.by_id.get(id).copied().ok_or_else(|| missing(*id));
+        let indexes = ids.iter().map(there).collect::<Result<Vec<_>, _>>()?;
         for index in indexes {
             self.discard(index, "removed");
         }
@@ -202,4 +203,8 @@ impl Step<'_> {
             self.tell_missed(index);
         }
     }
+}
+
+fn missing(id: TaskId) -> String {
+    format!("{id} is not in the schedule")
 }

@@ -91,6 +91,18 @@ fn a_removed_task_is_gone_and_one_that_runs_is_aborted() {
 }
 
 #[test]
+fn a_task_that_is_over_is_removed_too() {
+    let mut world = World::of([task(1, 5.0), task(2, 50.0)]);
+    world.until(10.0);
+    assert!(world.manager().task(id(1)).is_some(), "the control is lost: it is gone already");
+    assert_eq!(world.ask(Telecommand::Remove(vec![id(1)])), Reply::Done);
+    world.until(11.0);
+    assert!(world.manager().task(id(1)).is_none());
+    assert!(refused(world.ask(Telecommand::Remove(vec![id(1)]))).contains("not in the schedule"));
+    assert_eq!(world.manager().status().count(), 1);
+}
+
+#[test]
 fn a_new_priority_counts_at_once() {
     let mut world = World::of([
         task(1, 50.0).categories(1).priority(5),
