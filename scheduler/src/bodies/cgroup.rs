@@ -17,8 +17,8 @@ use rustix::fs::{CWD, Mode, OFlags, openat};
 /// What the names of managers' groups begin with.
 const PREFIX: &str = "faregate-";
 
-/// How many groups without an attempt are kept for the next ones: no start
-/// waits until one is made, and no end until it is removed.
+/// How many groups without an attempt are kept for the next ones: a start that
+/// is due need not wait until one is made.
 const KEPT: usize = 8;
 
 /// The group of one manager, above those of its attempts.
@@ -63,14 +63,21 @@ impl Groups {
         self.free.pop().map_or_else(|| self.another(), Ok)
     }
 
-    /// Takes a group back that nobody is in. Not one that was killed: who
-    /// is forked into it later may be killed at birth: Linux 6.18 kills a child
-    /// if its group and its parent's were not killed equally often.
+    /// Takes a group back that nobody is in. One that was killed is replaced:
+    /// who is forked into it later may be killed at birth. Linux 6.18 kills a
+    /// child if its group and its parent's were not killed equally often.
     pub(super) fn keep(&mut self, group: Group) {
-        let usable = !group.killed.get() && !group.state().populated;
-        if usable && self.free.len() < KEPT && group.freeze(false).is_ok() {
-            self.free.push(group);
+        if self.free.len() >= KEPT {
+            return;
         }
+        let usable = !group.killed.get() && !group.state().populated;
+        let next = if usable && group.freeze(false).is_ok() {
+            Some(group)
+        } else {
+            drop(group);
+            self.another().ok()
+        };
+        self.free.extend(next);
     }
 
     fn another(&mut self) -> io::Result<Group> {
@@ -157,15 +164,16 @@ impl Group {
         fs::write(self.path.join("cgroup.kill"), "1")
     }
 
-    /// Whom it holds, the dead that were not reaped not among them.
+    /// Whom it holds, the dead that were not reaped not among them. A task may
+    /// make groups below its own: it is frozen and killed with them.
     pub(super) fn pids(&self) -> Vec<i32> {
-        pids_in(&self.path)
+        pids_below(&self.path)
     }
 }
 
 impl Drop for Group {
     fn drop(&mut self) {
-        let _ = fs::remove_dir(&self.path);
+        remove(&self.path);
     }
 }
 

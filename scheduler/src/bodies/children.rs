@@ -4,6 +4,7 @@ use std::io;
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::os::unix::net::UnixStream;
 
+use rustix::io::Errno;
 use rustix::process::{Pid, WaitId, WaitIdOptions, waitid};
 use signal_hook::SigId;
 use signal_hook::consts::SIGCHLD;
@@ -35,7 +36,15 @@ pub(super) fn start(
 /// number and its session belong to nobody else while its kin is ended.
 pub(super) fn ended(pidfd: &OwnedFd) -> Option<Exit> {
     let options = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
-    let status = waitid(WaitId::PidFd(pidfd.as_fd()), options).ok()??;
+    let status = match waitid(WaitId::PidFd(pidfd.as_fd()), options) {
+        Ok(status) => status?,
+        // A program that embeds the schedule manager may wait for whatever
+        // child has ended. It is dead, and nobody knows how.
+        Err(Errno::CHILD) => {
+            return Some(Exit::Failed("somebody else has taken its exit status".to_owned()));
+        }
+        Err(_) => return None,
+    };
     let signal = status.terminating_signal().map(Exit::Signal);
     signal.or_else(|| status.exit_status().map(Exit::Code))
 }

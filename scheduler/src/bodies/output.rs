@@ -15,6 +15,7 @@ use rustix::buffer::spare_capacity;
 use rustix::event::epoll;
 use rustix::fs::{OFlags, fcntl_setfl};
 use rustix::io::Errno;
+use rustix::pipe::fcntl_getpipe_size;
 
 use crate::executive::Waker;
 
@@ -54,8 +55,7 @@ impl Capture {
     pub(super) fn so_far(&self) -> Output {
         let [stdout, stderr] = self.pipes.each_ref().map(|(_, pipe)| {
             let mut pipe = pipe.lock();
-            // At most what the pipe holds, however fast it is filled again.
-            pipe.read(TURN);
+            pipe.drain();
             pipe.printed()
         });
         Output { stdout, stderr }
@@ -83,6 +83,24 @@ struct Pipe {
 }
 
 impl Pipe {
+    fn new(source: OwnedFd, limit: usize) -> Self {
+        Self {
+            source: Some(source),
+            ended: false,
+            tail: VecDeque::new(),
+            dropped: 0,
+            limit,
+            buffer: Vec::new(),
+        }
+    }
+
+    /// Reads what is in it: at most what it can hold, however fast it is filled
+    /// again. A task may have made it larger.
+    fn drain(&mut self) {
+        let holds = self.source.as_ref().and_then(|source| fcntl_getpipe_size(source).ok());
+        self.read(holds.map_or(TURN, |holds| holds.max(TURN)));
+    }
+
     fn read(&mut self, limit: usize) {
         let mut taken = 0;
         while taken < limit && !self.ended {
@@ -165,20 +183,10 @@ impl Scribe {
         let token = self.next;
         self.next += 1;
         let data = epoll::EventData::new_u64(token);
-        let pipe = Pipe {
-            source: None,
-            ended: false,
-            tail: VecDeque::new(),
-            dropped: 0,
-            limit: self.limit,
-            buffer: Vec::new(),
-        };
-        let pipe = Arc::new(Mutex::new(pipe));
-        let mut held = pipe.lock();
-        self.desk.pipes.lock().insert(token, Arc::clone(&pipe));
+        // What is readable before the thread finds it stays so.
         epoll::add(&self.desk.epoll, &source, data, epoll::EventFlags::IN)?;
-        held.source = Some(source);
-        drop(held);
+        let pipe = Arc::new(Mutex::new(Pipe::new(source, self.limit)));
+        self.desk.pipes.lock().insert(token, Arc::clone(&pipe));
         Ok((token, pipe))
     }
 }
@@ -237,6 +245,19 @@ mod tests {
     use std::io::Write;
 
     use super::*;
+
+    #[test]
+    fn what_a_larger_pipe_holds_at_the_end_is_not_left_in_it() {
+        let (source, mut print) = std::io::pipe().unwrap();
+        let larger = rustix::pipe::fcntl_setpipe_size(&source, 4 * TURN).unwrap();
+        assert!(larger >= 4 * TURN);
+        fcntl_setfl(&source, OFlags::NONBLOCK).unwrap();
+        print.write_all(&vec![b'x'; 3 * TURN]).unwrap();
+        print.write_all(b"the end").unwrap();
+        let mut pipe = Pipe::new(source.into(), 7);
+        pipe.drain();
+        assert_eq!(pipe.printed().tail, b"the end");
+    }
 
     #[test]
     fn the_end_is_kept_and_the_rest_is_counted() {

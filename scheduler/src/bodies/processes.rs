@@ -9,11 +9,11 @@ use std::path::Path;
 use rustix::event::{PollFd, PollFlags, Timespec, epoll, poll};
 use rustix::process::Pid;
 
-use crate::bodies::cgroup::Groups;
+use crate::bodies::cgroup::{Group, Groups};
 use crate::bodies::children::{self, Bell};
 use crate::bodies::family;
-use crate::bodies::launch::{Order, Prepared};
-use crate::bodies::output::{Output, Scribe};
+use crate::bodies::launch::{Order, Prepared, Started};
+use crate::bodies::output::{Capture, Output, Scribe};
 use crate::bodies::process::{Became, Process};
 use crate::bodies::settings::{Moment, Settings};
 use crate::bodies::sweep::{Run, Swept};
@@ -92,21 +92,38 @@ impl Processes {
     }
 
     fn fork(&mut self, order: Order<'_>) -> Result<Process, String> {
-        let (attempt, program) = (order.attempt, order.program);
+        let program = order.program;
         let group = self.run.groups.as_mut().ok().map(Groups::group).transpose();
         let group = group.map_err(|error| format!("no control group: {error}"))?;
-        let mut prepared = Prepared::new(Order { group: group.as_ref(), ..order })?;
+        match self.fork_into(Order { group: group.as_ref(), ..order }) {
+            Ok((started, capture)) => Ok(Process::new(program, started, group, capture)),
+            Err(why) => {
+                self.keep(group);
+                Err(why)
+            }
+        }
+    }
+
+    fn fork_into(&mut self, order: Order<'_>) -> Result<(Started, Option<Capture>), String> {
+        let attempt = order.attempt;
+        let mut prepared = Prepared::new(order)?;
         let capture = prepared.outputs().map(|(out, err)| self.scribe.capture(out, err));
         let capture = capture.transpose().map_err(|error| format!("no output: {error}"))?;
         self.settings.probe.passes(Moment::Fork, attempt);
         let started = prepared.fork();
         self.settings.probe.passes(Moment::Forked, attempt);
         match started {
-            Ok(started) => Ok(Process::new(program, started, group, capture)),
+            Ok(started) => Ok((started, capture)),
             Err(why) => {
                 capture.iter().for_each(|capture| drop(capture.finish()));
                 Err(why)
             }
+        }
+    }
+
+    fn keep(&mut self, group: Option<Group>) {
+        if let (Ok(groups), Some(group)) = (&mut self.run.groups, group) {
+            groups.keep(group);
         }
     }
 
@@ -225,9 +242,7 @@ impl Processes {
         process.reap();
         self.settings.probe.passes(Moment::Reaped, attempt);
         let output = process.printed();
-        if let (Ok(groups), Some(group)) = (&mut self.run.groups, process.take_group()) {
-            groups.keep(group);
-        }
+        self.keep(process.take_group());
         Some(output)
     }
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::time;
 
+use faregate_scheduler::bodies::Settings;
 use faregate_scheduler::manager::Exit;
 use faregate_scheduler::time::Duration;
 
@@ -170,4 +171,54 @@ fn children_of_somebody_else_keep_their_exit_status() {
         assert_eq!(bench.exit(attempt), Exit::Code(0));
         assert_eq!(own.wait().unwrap().code(), Some(9));
     });
+}
+
+/// A program that embeds the schedule manager, and waits for any child.
+#[test]
+fn an_exit_status_that_somebody_else_has_taken_is_a_failure_and_not_for_ever() {
+    both_ways(|mut bench| {
+        let attempt = bench.start(shell("exit 0"));
+        let pid = rustix::process::Pid::from_raw(bench.bodies.pid(attempt).unwrap());
+        let taken = rustix::process::waitpid(pid, rustix::process::WaitOptions::empty());
+        assert!(taken.unwrap().is_some(), "the control is lost: its status was not taken");
+        let why = "somebody else has taken its exit status";
+        assert_eq!(bench.exit(attempt), Exit::Failed(why.into()));
+    });
+}
+
+/// The groups of attempts that the host shows below the manager's.
+fn groups(bench: &Bench) -> Option<usize> {
+    let path = bench.bodies.control_group().ok()?;
+    let entries = std::fs::read_dir(path).unwrap().flatten();
+    Some(entries.filter(|entry| entry.file_type().unwrap().is_dir()).count())
+}
+
+#[test]
+fn a_control_group_that_was_killed_is_replaced_before_the_next_start() {
+    let mut bench = Bench::new(Settings::default());
+    let Some(before) = groups(&bench) else { return println!("skipped: no control groups") };
+    for _ in 0..2 * before {
+        let attempt = bench.start(shell("sleep 60"));
+        assert_eq!(bench.kill(attempt, Duration::ZERO), Exit::Signal(9));
+    }
+    assert_eq!(groups(&bench), Some(before));
+}
+
+/// As a task does that runs containers.
+#[test]
+fn a_task_that_makes_control_groups_of_its_own_is_paused_and_leaves_none() {
+    let mut bench = Bench::new(Settings::default());
+    let Some(before) = groups(&bench) else { return println!("skipped: no control groups") };
+    let path = bench.bodies.control_group().unwrap().display().to_string();
+    let script = format!(
+        "own={path}/$(sed -n 's,^0::.*/,,p' /proc/self/cgroup)
+        mkdir $own/below && echo 0 >$own/below/cgroup.procs && echo ready
+        i=0; while :; do i=$((i+1)); done"
+    );
+    let attempt = bench.start(shell(&script));
+    assert_eq!(bench.line(attempt), "ready\n");
+    bench.pause(attempt);
+    bench.resume(attempt);
+    assert_eq!(bench.kill(attempt, Duration::ZERO), Exit::Signal(9));
+    assert_eq!(groups(&bench), Some(before));
 }
