@@ -176,8 +176,26 @@ fn read_named(
         let wrong = Wrong::new(Rule::Duplicate, "the file has a mission, and another one is given");
         report.error(native.mission_at.clone(), "mission", wrong.expected("one mission"));
     }
+    if report.is_hopeless() {
+        return Err(hopeless(report));
+    }
     judge(&native, options, &mut report);
     finish(native, report)
+}
+
+/// What was found until it was too much. Tasks were not read, so nothing is said
+/// of who is missing.
+fn hopeless(report: Report<'_>) -> Vec<Diagnostic> {
+    let mut found = report.found;
+    found.sort_by_key(in_order);
+    if let Some(last) = found.last_mut() {
+        last.help = Some("so much is wrong that the file was read no further".to_owned());
+    }
+    found
+}
+
+fn in_order(wrong: &Diagnostic) -> (usize, bool) {
+    (wrong.place.span.start, wrong.is_error())
 }
 
 fn judge(native: &Native, options: Options<'_>, report: &mut Report<'_>) {
@@ -193,7 +211,7 @@ fn judge(native: &Native, options: Options<'_>, report: &mut Report<'_>) {
 
 fn finish(native: Native, report: Report<'_>) -> Result<Loaded, Vec<Diagnostic>> {
     let mut found = report.found;
-    found.sort_by_key(|wrong| (wrong.place.span.start, wrong.is_error()));
+    found.sort_by_key(in_order);
     if found.iter().any(Diagnostic::is_error) {
         return Err(found);
     }

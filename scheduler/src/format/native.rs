@@ -52,6 +52,9 @@ pub(crate) fn read(report: &mut Report<'_>, given: Option<&Mission>) -> Native {
     let names = mission.map(|mission| &mission.categories);
     let names = task::Names { of_categories: names, complete: native.mission_good };
     for (table, at) in top.tables("task") {
+        if top.report.is_hopeless() {
+            break;
+        }
         native.drafts.push(task::read(table, at, names, top.report));
     }
     top.finish(keys::FILE);

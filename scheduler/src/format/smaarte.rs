@@ -25,7 +25,18 @@ pub(crate) fn csv(report: &mut Report<'_>, conflict: Conflict) -> Vec<Draft> {
             Column::THESIS.map(Some).to_vec()
         }
     };
-    rows.map(|row| Reading { report, conflict, columns: &columns }.draft(&row)).collect()
+    drafts(rows, Reading { report, conflict, columns: &columns })
+}
+
+fn drafts(rows: impl Iterator<Item = Row>, mut reading: Reading<'_, '_>) -> Vec<Draft> {
+    let mut drafts = Vec::new();
+    for row in rows {
+        if reading.report.is_hopeless() {
+            break;
+        }
+        drafts.push(reading.draft(&row));
+    }
+    drafts
 }
 
 /// The drafts of a file with spaces, which may have a header.
@@ -38,10 +49,8 @@ pub(crate) fn txt(report: &mut Report<'_>, conflict: Conflict) -> Vec<Draft> {
     };
     args_last(&columns, header.as_ref(), report);
     let rows = rows::of_txt(report.source, columns.len().saturating_sub(1));
-    rows.into_iter()
-        .skip(header.iter().count())
-        .map(|row| Reading { report, conflict, columns: &columns }.draft(&row))
-        .collect()
+    let rows = rows.into_iter().skip(header.iter().count());
+    drafts(rows, Reading { report, conflict, columns: &columns })
 }
 
 fn names(row: &Row) -> impl Iterator<Item = &str> {

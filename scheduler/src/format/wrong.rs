@@ -46,13 +46,25 @@ pub struct Report<'a> {
     pub source: &'a Source<'a>,
     /// What was found so far.
     pub found: Vec<Diagnostic>,
+    /// How many errors there were, those that were taken back among them.
+    errors: usize,
 }
+
+/// How many errors a file may have before it is read no further: what is no
+/// schedule at all has one in each line.
+const HOPELESS: usize = 10_000;
 
 impl<'a> Report<'a> {
     /// Of a file in which nothing was found yet.
     #[must_use]
     pub const fn new(source: &'a Source<'a>) -> Self {
-        Self { source, found: Vec::new() }
+        Self { source, found: Vec::new(), errors: 0 }
+    }
+
+    /// Whether so much is wrong that nothing more need be read.
+    #[must_use]
+    pub const fn is_hopeless(&self) -> bool {
+        self.errors >= HOPELESS
     }
 
     /// Something because of which nothing is loaded.
@@ -91,6 +103,7 @@ impl<'a> Report<'a> {
     }
 
     fn add(&mut self, severity: Severity, span: Range<usize>, field: &str, wrong: Wrong) {
+        self.errors += usize::from(severity == Severity::Error);
         let place = self.source.place(span);
         let field = Some(harmless(field.to_owned())).filter(|field| !field.is_empty());
         let found = Diagnostic::of(severity, self.source.name(), place, wrong);

@@ -142,3 +142,21 @@ fn a_name_says_the_format() {
     assert_eq!(bad("schedule", "")[0].2, Rule::Format);
     assert_eq!(good("A.CSV", HEADER).tasks.len(), 0);
 }
+
+#[test]
+fn what_is_no_schedule_at_all_is_read_until_it_is_hopeless() {
+    let read = |rows: u32, rest: &str| {
+        let rows: String = (1..=rows).map(|id| format!("{id},{rest}\n")).collect();
+        format::read("log.csv", format!("{HEADER}{rows}").as_bytes())
+    };
+    let few = read(9_000, "x,0,3,1,1,0,0,sleep 3").unwrap_err();
+    assert_eq!(few.len(), 9_000);
+    let many = read(30_000, "x,0,3,1,1,0,0,sleep 3").unwrap_err();
+    assert_eq!(many.len(), 10_000);
+    let last = many.last().unwrap();
+    assert_eq!(last.place.line, 10_001);
+    assert!(last.help.as_ref().unwrap().contains("no further"), "{last:?}");
+    // Warnings, however many, keep nothing from being read.
+    let good = read(30_000, "0,0,3,1,1,0,0,sleep 3 # a while").unwrap();
+    assert_eq!((good.tasks.len(), good.warnings.len()), (30_000, 30_000));
+}
