@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use faregate_scheduler::Mission;
+use faregate_scheduler::control;
 use faregate_scheduler::executive::LoadedFile;
 use faregate_scheduler::format::{self, Against, Conflict, Diagnostic, Kind, Options};
 use faregate_scheduler::task::Task;
@@ -233,8 +234,8 @@ impl Loader {
 
     /// Reads a file that a task loads.
     pub(crate) fn load(&self, path: &str) -> LoadedFile {
-        let bytes = fs::read(path).map_err(|error| format!("{path} cannot be read: {error}"))?;
-        self.read(path, &bytes).map_err(|wrong| {
+        let text = control::schedule_text(path).map_err(|why| format!("{path}: {why}"))?;
+        self.read(path, text.as_bytes()).map_err(|wrong| {
             let errors = wrong.iter().filter(|wrong| wrong.is_error());
             errors.map(ToString::to_string).collect::<Vec<_>>().join("; ")
         })

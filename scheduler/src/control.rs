@@ -35,6 +35,7 @@ mod socket;
 mod status;
 mod thread;
 
+pub use files::schedule_text;
 pub use link::{AskId, Asked, Link, Links, What};
 pub use socket::{ControlCounts, ReadSchedule, SocketLink};
 pub use status::StatusSource;

@@ -177,6 +177,8 @@ fn the_status_of_a_long_schedule_comes_whole_in_several_answers() {
     let [row] = &*status.tasks else { panic!("{status:?}") };
     assert_eq!((row.task, row.occurrence, row.state), (8, 2, State::Waiting));
     assert_eq!(row.waits_for.as_deref(), Some("camera, which task 99 has"));
+    let looked_at = *stage.schedule.lock().unwrap().looked_at.lock().unwrap();
+    assert_eq!(looked_at, many + 1, "the manager works for those that are told alone");
 }
 
 /// The manager's thread answers, and looks for each task among those that are

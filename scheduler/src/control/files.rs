@@ -75,13 +75,18 @@ impl Reader {
 }
 
 fn load(schedules: &dyn ReadSchedule, path: &str) -> LoadedFile {
-    let text = text(path).map_err(|why| format!("{path}: {why}"))?;
+    let text = schedule_text(path).map_err(|why| format!("{path}: {why}"))?;
     let read = reading::read(schedules, path, &text, MISTAKES_OF_FILE);
     read.map_err(|refused| format!("{path}: {refused}"))
 }
 
-/// Opening what is no file must not wait either: a pipe would, for a writer.
-fn text(path: &str) -> Result<String, String> {
+/// The text of a schedule file that a task loads: a regular one, of at most
+/// [`MAX_FILE`] bytes.
+///
+/// # Errors
+/// Why it is not read, for people.
+pub fn schedule_text(path: &str) -> Result<String, String> {
+    // Opening what is no file must not wait either: a pipe would, for a writer.
     let flags = OFlags::RDONLY | OFlags::CLOEXEC | OFlags::NONBLOCK | OFlags::NOCTTY;
     let file = open(path, flags, Mode::empty()).map_err(|error| error.to_string())?;
     let file = File::from(file);
@@ -110,7 +115,7 @@ mod tests {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("more.txt");
         fs::write(&path, "1 0 0\n").unwrap();
-        assert_eq!(text(path.to_str().unwrap()), Ok("1 0 0\n".to_owned()));
+        assert_eq!(schedule_text(path.to_str().unwrap()), Ok("1 0 0\n".to_owned()));
     }
 
     #[test]
@@ -121,7 +126,7 @@ mod tests {
         let kind = rustix::fs::FileType::Fifo;
         rustix::fs::mknodat(rustix::fs::CWD, &pipe, kind, mode, 0).unwrap();
         for path in [pipe.as_path(), directory.path(), "/dev/zero".as_ref()] {
-            let refused = text(path.to_str().unwrap()).unwrap_err();
+            let refused = schedule_text(path.to_str().unwrap()).unwrap_err();
             assert_eq!(refused, "not a regular file", "{}", path.display());
         }
     }
@@ -132,7 +137,9 @@ mod tests {
         let path = directory.path().join("long.txt");
         // A hole: it takes no room on the disk.
         File::create(&path).unwrap().set_len(MAX_FILE + 1).unwrap();
-        assert!(text(path.to_str().unwrap()).unwrap_err().contains("longer than the 64 MiB"));
+        assert!(
+            schedule_text(path.to_str().unwrap()).unwrap_err().contains("longer than the 64 MiB")
+        );
     }
 
     #[test]

@@ -12,7 +12,10 @@ use crate::time::Now;
 /// What knows where the tasks stand: the manager.
 pub trait StatusSource {
     /// Every task of the schedule, in its order.
-    fn each(&self) -> impl Iterator<Item = TaskStatus>;
+    fn each(&self) -> impl Iterator<Item = TaskId>;
+
+    /// Where the task stands, if it is in the schedule.
+    fn status(&self, id: TaskId) -> Option<TaskStatus>;
 
     /// The task, if it is in the schedule.
     fn task(&self, id: TaskId) -> Option<&Task>;
@@ -22,8 +25,12 @@ pub trait StatusSource {
 }
 
 impl StatusSource for Manager {
-    fn each(&self) -> impl Iterator<Item = TaskStatus> {
-        self.status()
+    fn each(&self) -> impl Iterator<Item = TaskId> {
+        self.tasks().map(|task| task.id)
+    }
+
+    fn status(&self, id: TaskId) -> Option<TaskStatus> {
+        self.status_of(id)
     }
 
     fn task(&self, id: TaskId) -> Option<&Task> {
@@ -57,10 +64,11 @@ fn status(mut query: StatusQuery, source: &impl StatusSource, now: Now) -> Statu
     let wanted = |id: TaskId| tasks.is_empty() || tasks.binary_search(&id.get()).is_ok();
     let mut rest = source
         .each()
-        .filter(|status| wanted(status.occurrence.task))
+        .filter(|id| wanted(*id))
         .skip(usize::try_from(query.skip).unwrap_or(usize::MAX));
     let shown = rest.by_ref().take(usize::try_from(limit).unwrap_or(usize::MAX));
-    let tasks = shown.map(|status| row(status, source)).collect();
+    // What one waits for takes words: they are made for those that are told.
+    let tasks = shown.filter_map(|id| Some(row(source.status(id)?, source))).collect();
     Status {
         at_us: now.elapsed.as_micros(),
         unix_us: now.wall.as_micros(),

@@ -54,9 +54,27 @@ impl Manager {
     }
 
     /// Every task of the schedule, in its order.
+    pub fn tasks(&self) -> impl Iterator<Item = &Task> {
+        self.in_order().map(|entry| &entry.task)
+    }
+
+    /// Where every task of the schedule stands, in its order.
     pub fn status(&self) -> impl Iterator<Item = TaskStatus> {
-        let entries = self.order.values().filter_map(|index| self.entry(*index));
-        entries.map(|entry| TaskStatus { occurrence: entry.occurrence(), state: self.state(entry) })
+        self.in_order().map(|entry| self.status_at(entry))
+    }
+
+    /// Where the task stands, if it is in the schedule.
+    #[must_use]
+    pub fn status_of(&self, id: TaskId) -> Option<TaskStatus> {
+        Some(self.status_at(self.entry(*self.by_id.get(&id)?)?))
+    }
+
+    fn in_order(&self) -> impl Iterator<Item = &Entry> {
+        self.order.values().filter_map(|index| self.entry(*index))
+    }
+
+    fn status_at(&self, entry: &Entry) -> TaskStatus {
+        TaskStatus { occurrence: entry.occurrence(), state: self.state(entry) }
     }
 
     fn state(&self, entry: &Entry) -> State {

@@ -57,11 +57,17 @@ pub(crate) const THERE: usize = 9;
 pub(crate) struct Schedule {
     pub(crate) tasks: Vec<Task>,
     pub(crate) heard: Vec<Telecommand>,
+    /// How often it was asked where a task stands.
+    pub(crate) looked_at: Mutex<u32>,
 }
 
 impl Default for Schedule {
     fn default() -> Self {
-        Self { tasks: holds(u32::try_from(THERE).unwrap()), heard: Vec::new() }
+        Self {
+            tasks: holds(u32::try_from(THERE).unwrap()),
+            heard: Vec::new(),
+            looked_at: Mutex::default(),
+        }
     }
 }
 
@@ -70,9 +76,14 @@ fn holds(many: u32) -> Vec<Task> {
 }
 
 impl StatusSource for Schedule {
-    fn each(&self) -> impl Iterator<Item = TaskStatus> {
-        self.tasks.iter().map(|task| TaskStatus {
-            occurrence: Occurrence { task: task.id, load: 0, number: 2 },
+    fn each(&self) -> impl Iterator<Item = TaskId> {
+        self.tasks.iter().map(|task| task.id)
+    }
+
+    fn status(&self, task: TaskId) -> Option<TaskStatus> {
+        *self.looked_at.lock().unwrap() += 1;
+        Some(TaskStatus {
+            occurrence: Occurrence { task: self.task(task)?.id, load: 0, number: 2 },
             state: State::Waiting(WaitsFor::Gate {
                 gate: "camera".into(),
                 by: HeldBy::Task(id(99)),
