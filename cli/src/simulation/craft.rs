@@ -150,7 +150,9 @@ impl Bus {
     fn report(&self) -> Vec<String> {
         let truth = self.payload.truth();
         let mut lines = Vec::new();
-        if self.limited {
+        if self.limited && truth.largest_draw.is_zero() {
+            lines.push(format!("{}: nothing was drawn of {}", self.agent, truth.supply));
+        } else if self.limited {
             let us = truth.at.since(Instant::START).as_micros().max(1);
             let mean = u128::from(truth.energy.get()) * 1_000 / u128::from(us);
             let mean = Milliwatts::new(u64::try_from(mean).unwrap_or(u64::MAX));
