@@ -28,6 +28,9 @@
 //! by looking at all processes of the host; [`RealBodies::control_group`] says
 //! which it is. Linux 5.11 is needed in either case.
 //!
+//! A set-user-ID program does not die with the manager: the kernel forgets that
+//! it should. The [`sweep`] of the next one ends it.
+//!
 //! Without control groups this is not claimed:
 //! - Of a chain of processes that each leave their session, start the next one
 //!   and end, sooner than the host's processes can be looked at, the last one

@@ -172,6 +172,7 @@ impl Bodies for RealBodies {
         events.append(&mut self.pending);
         self.hear(now, events);
         self.calls.poll(now, &mut self.workers, events);
+        self.sequences.give_up(now, events);
         self.sequences.poll(now, &mut self.workers, events);
         self.holds.poll(now, events);
         let outputs = &mut self.outputs;

@@ -69,7 +69,7 @@ enum Doing {
     /// where its longest time is declared.
     Commands { worker: WorkerId, until: Option<Instant> },
     /// A command was refused because the tickets were taken.
-    Taken { until: Instant, why: String },
+    Taken { until: Instant, last_look: bool, why: String },
 }
 
 /// What the sequence is asked to do.
@@ -132,10 +132,25 @@ impl Sequences {
         }
     }
 
+    /// Ends what has waited long enough. To be called once in a turn of the
+    /// manager, when all answers were heard.
+    pub(super) fn give_up(&mut self, now: Instant, events: &mut Vec<Event>) {
+        self.each(events, |_, sequence, _| sequence.give_up(now));
+    }
+
     /// Does what is due. To be called when all answers were heard.
     pub(super) fn poll(&mut self, now: Instant, workers: &mut Workers, events: &mut Vec<Event>) {
+        self.each(events, |attempt, sequence, events| sequence.poll(attempt, now, workers, events));
+    }
+
+    /// Does this with each; those that give an exit are over.
+    fn each(
+        &mut self,
+        events: &mut Vec<Event>,
+        mut act: impl FnMut(Attempt, &mut Sequence, &mut Vec<Event>) -> Option<Exit>,
+    ) {
         self.live.retain(|attempt, sequence| {
-            let exit = sequence.poll(*attempt, now, workers, events);
+            let exit = act(*attempt, sequence, events);
             exit.map(|exit| events.push(Event::Exited { attempt: *attempt, exit })).is_none()
         });
     }
@@ -162,7 +177,8 @@ impl Sequence {
             // It is tried again when the tickets are valid again.
             (RefusedKind::Taken, Asked::Pause { .. }) => {}
             (RefusedKind::Taken, Asked::Run) => {
-                self.doing = Doing::Taken { until: now.after(STOP_FOLLOWS), why };
+                let until = now.after(STOP_FOLLOWS);
+                self.doing = Doing::Taken { until, last_look: false, why };
             }
             _ => return self.failed(why),
         }
@@ -189,9 +205,6 @@ impl Sequence {
         workers: &mut Workers,
         events: &mut Vec<Event>,
     ) -> Option<Exit> {
-        if let Some(exit) = self.give_up(now) {
-            return Some(exit);
-        }
         match self.asked {
             Asked::Run => self.advance(attempt, now, workers),
             Asked::Pause { told } => {
@@ -205,12 +218,18 @@ impl Sequence {
     /// Does not wait for ever: for a response, or for the stop that explains a
     /// refusal.
     fn give_up(&mut self, now: Instant) -> Option<Exit> {
-        match &self.doing {
+        match &mut self.doing {
             Doing::Commands { until: Some(until), .. } if *until <= now => {
                 let why = self.about("no response within its declared time");
                 self.failed(why)
             }
-            Doing::Taken { until, why } if *until <= now => {
+            // The turn may come late, and the stop in the same one: it asks for
+            // tickets after bodies.
+            Doing::Taken { until, last_look, .. } if *until <= now && !*last_look => {
+                *last_look = true;
+                None
+            }
+            Doing::Taken { until, why, .. } if *until <= now => {
                 let why = why.clone();
                 self.failed(why)
             }

@@ -163,6 +163,26 @@ fn a_command_refused_because_the_tickets_were_taken_is_tried_again_after_the_pau
     }
 }
 
+/// The manager's thread waited for its disk: it hears of the refusal and of what
+/// has taken the tickets in one turn, in this order.
+#[test]
+fn a_stop_that_comes_in_a_late_turn_is_not_too_late() {
+    let (mut bench, desk) = bench(None);
+    let attempt = bench.start(Body::Sequence(vec![step(0, "on")]));
+    desk.commands.recv().unwrap();
+    desk.answers.send(refused(RefusedKind::Taken, "task 9 has it")).unwrap();
+    bench.turn();
+    // Longer than a stop is waited for.
+    super::look::real_time(std::time::Duration::from_millis(1_100));
+    bench.bodies_poll();
+    let other = bench.start_for(Body::Hold, Duration::from_secs(1000));
+    assert_eq!(bench.told(), [], "it has failed before its stop could come");
+    bench.pause(attempt);
+    bench.resume(attempt);
+    assert_eq!(bench.kill(other, Duration::ZERO), Exit::Signal(15));
+    assert_eq!(answer_next(bench, &desk, "camera on 1").exit(attempt), Exit::Code(0));
+}
+
 #[test]
 fn a_command_refused_as_taken_ends_the_sequence_when_no_stop_follows() {
     let (mut bench, desk) = bench(None);
