@@ -189,7 +189,8 @@ fn hopeless(report: Report<'_>) -> Vec<Diagnostic> {
     let mut found = report.found;
     found.sort_by_key(in_order);
     if let Some(last) = found.last_mut() {
-        last.help = Some("so much is wrong that the file was read no further".to_owned());
+        let why = "so much is wrong that the file was read no further";
+        last.help.get_or_insert_with(|| why.to_owned());
     }
     found
 }

@@ -52,7 +52,7 @@ pub(crate) fn read(report: &mut Report<'_>, given: Option<&Mission>) -> Native {
     let names = mission.map(|mission| &mission.categories);
     let names = task::Names { of_categories: names, complete: native.mission_good };
     for (table, at) in top.tables("task") {
-        if top.report.is_hopeless() {
+        if top.report.is_enough(native.drafts.len(), at.clone()) {
             break;
         }
         native.drafts.push(task::read(table, at, names, top.report));

@@ -31,7 +31,7 @@ pub(crate) fn csv(report: &mut Report<'_>, conflict: Conflict) -> Vec<Draft> {
 fn drafts(rows: impl Iterator<Item = Row>, mut reading: Reading<'_, '_>) -> Vec<Draft> {
     let mut drafts = Vec::new();
     for row in rows {
-        if reading.report.is_hopeless() {
+        if reading.report.is_enough(drafts.len(), row.at()) {
             break;
         }
         drafts.push(reading.draft(&row));

@@ -54,6 +54,10 @@ pub struct Report<'a> {
 /// schedule at all has one in each line.
 const HOPELESS: usize = 10_000;
 
+/// How many tasks a file may have. They come into the schedule at one instant,
+/// and into the journal in one piece.
+pub(crate) const MOST_TASKS: usize = 250_000;
+
 impl<'a> Report<'a> {
     /// Of a file in which nothing was found yet.
     #[must_use]
@@ -65,6 +69,18 @@ impl<'a> Report<'a> {
     #[must_use]
     pub const fn is_hopeless(&self) -> bool {
         self.errors >= HOPELESS
+    }
+
+    /// Whether another task after so many is not to be read: there are too many
+    /// of them, which is told, or it is hopeless.
+    pub(crate) fn is_enough(&mut self, tasks: usize, next: Range<usize>) -> bool {
+        if tasks == MOST_TASKS {
+            let message = format!("here begin more than {MOST_TASKS} tasks");
+            let wrong = Wrong::new(Rule::Range, message).help("load them in several files");
+            self.error(next, "", wrong);
+            self.errors += HOPELESS;
+        }
+        self.is_hopeless()
     }
 
     /// Something because of which nothing is loaded.
@@ -130,4 +146,20 @@ pub fn shown(text: &str) -> String {
         short.push('…');
     }
     format!("`{short}`")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn more_tasks_than_one_file_may_have_are_one_mistake_and_not_read() {
+        let source = Source::new("a.csv", b"1\n2\n").unwrap();
+        let mut report = Report::new(&source);
+        assert!(!report.is_enough(0, 0..1) && !report.is_enough(MOST_TASKS - 1, 0..1));
+        assert_eq!(report.found, []);
+        assert!(report.is_enough(MOST_TASKS, 2..3) && report.is_hopeless());
+        let [told] = &*report.found else { panic!("{:?}", report.found) };
+        assert_eq!((told.place.line, told.rule), (2, Rule::Range));
+    }
 }
