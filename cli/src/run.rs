@@ -21,7 +21,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<Exit, Failure> {
     let teller = match (args.speed, args.virtual_clock) {
         (Some(speed), _) => virtual_clock::run(schedule, Pace::Times(speed), args.time, teller)?,
         (None, true) => virtual_clock::run(schedule, Pace::Free, args.time, teller)?,
-        (None, false) => host::run(args, schedule, teller)?,
+        (None, false) => host::run(args, schedule, teller.for_real_time()?)?,
     };
     end(teller)
 }

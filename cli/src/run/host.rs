@@ -24,12 +24,7 @@ use crate::simulation::{self, Craft, Loads};
 
 /// Runs the schedule until it is over, its time has passed, or somebody stops
 /// it.
-pub(crate) fn run(
-    args: &RunArgs,
-    schedule: Schedule,
-    mut teller: Teller,
-) -> Result<Teller, Failure> {
-    teller.wait_for_nobody().map_err(NotOnboard::from)?;
+pub(crate) fn run(args: &RunArgs, schedule: Schedule, teller: Teller) -> Result<Teller, Failure> {
     let Schedule { tasks, mission, loader, .. } = schedule;
     let craft = Craft::new(&mission, args.seed)?;
     let open_files = descriptors::raise();
@@ -60,8 +55,7 @@ pub(crate) fn run(
         executive.outside().teller.say(&ended(&left));
     }
     if goes_on {
-        executive.outside().teller.say("Going on where the journal ends.");
-        learn_all(&mut executive);
+        go_on(&mut executive);
     } else {
         executive.load(tasks)?;
     }
@@ -69,12 +63,12 @@ pub(crate) fn run(
     end(executive)
 }
 
-/// The tasks of the journal: nobody tells of them that they were accepted.
-fn learn_all(executive: &mut Onboard<Ground>) {
-    let manager = executive.manager();
-    let tasks = manager.status().filter_map(|status| manager.task(status.occurrence.task));
-    let tasks: Vec<Task> = tasks.cloned().collect();
-    tasks.iter().for_each(|task| executive.outside().teller.tally.learn(task));
+/// Of the tasks of the journal nobody tells that they were accepted.
+fn go_on(executive: &mut Onboard<Ground>) {
+    let tasks: Vec<Task> = executive.manager().tasks().cloned().collect();
+    let teller = &mut executive.outside().teller;
+    teller.say("Going on where the journal ends.");
+    tasks.iter().for_each(|task| teller.tally.learn(task));
 }
 
 /// A process that outlived an earlier run of the manager.

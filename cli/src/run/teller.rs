@@ -1,8 +1,6 @@
 //! Who tells of a run: lines or documents on standard output, and the numbers
 //! at its end.
 
-use std::io;
-
 use faregate_scheduler::manager::Note;
 use faregate_scheduler::time::Now;
 use serde::Serialize;
@@ -12,6 +10,7 @@ use super::display::Display;
 use super::tally::Tally;
 use crate::args::Format;
 use crate::changes::{self, Changes};
+use crate::exit::Failure;
 use crate::out;
 
 /// Tells changes. Nobody may be listening: a run goes on without its display.
@@ -44,13 +43,15 @@ impl Teller {
     ///
     /// # Errors
     /// When the host has no thread left.
-    pub(crate) fn wait_for_nobody(&mut self) -> io::Result<()> {
+    pub(crate) fn for_real_time(self) -> Result<Self, Failure> {
         let tells_lost = match self.format {
             Format::Json => |count| json!({ "lost": count }).to_string(),
             Format::Text => changes::lost,
         };
-        self.display = Some(Display::new(tells_lost)?);
-        Ok(())
+        let display = Display::new(tells_lost).map_err(|error| {
+            Failure::failed(format!("the host has no thread for the display: {error}"))
+        })?;
+        Ok(Self { display: Some(display), ..self })
     }
 
     /// The run is over: what is still to be told waits for whoever reads it.

@@ -82,14 +82,9 @@ enum Asked {
 
 impl Sequences {
     pub(super) fn start(&mut self, attempt: Attempt, steps: &[Step], now: Instant) {
-        let sequence = Sequence {
-            steps: steps.to_vec(),
-            next: 0,
-            watch: Watch::started(now),
-            doing: Doing::Waits,
-            asked: Asked::Run,
-        };
-        self.live.insert(attempt, sequence);
+        let (watch, steps) = (Watch::started(now), steps.to_vec());
+        let (doing, asked) = (Doing::Waits, Asked::Run);
+        self.live.insert(attempt, Sequence { steps, next: 0, watch, doing, asked });
     }
 
     /// A command that is in progress is waited for.
