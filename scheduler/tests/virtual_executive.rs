@@ -39,13 +39,13 @@ const fn at(seconds: u64) -> Instant {
 
 #[test]
 fn the_clock_jumps_to_what_is_due_next_and_the_time_of_day_with_it() {
-    let mut executive = executive(vec![due(task(1, 5, 1, 1), 30)], VirtualBodies::as_expected());
+    let mut executive = executive(vec![due(task(1, 5, 1, 1), 9)], VirtualBodies::as_expected());
     executive.advance_to(Instant::START).unwrap();
-    assert_eq!(executive.next_due(), Some(at(30)));
-    executive.advance_to(at(31)).unwrap();
-    assert_eq!(executive.next_due(), Some(at(35)));
-    assert_eq!(executive.now(), Now { elapsed: at(31), wall: UnixTime::from_secs(1_031) });
-    executive.advance_to(at(40)).unwrap();
+    assert_eq!(executive.next_due(), Some(at(9)));
+    executive.advance_to(at(10)).unwrap();
+    assert_eq!(executive.next_due(), Some(at(14)));
+    assert_eq!(executive.now(), Now { elapsed: at(10), wall: UnixTime::from_secs(1_010) });
+    executive.advance_to(at(20)).unwrap();
     assert_eq!(executive.next_due(), None);
     assert!(executive.manager().is_over());
 }

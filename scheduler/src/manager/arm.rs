@@ -2,10 +2,10 @@
 //! before it is due, so that its start need not wait for a disk.
 
 use crate::manager::entry::Place;
-use crate::manager::limits::{ARMED_AHEAD, MOST_ARMED};
-use crate::manager::point::{Clock, from_duration};
+use crate::manager::limits::{ARMED_AHEAD, ARMED_WITHIN, MOST_ARMED};
+use crate::manager::point::{Clock, Micros, from_duration};
 use crate::manager::step::Step;
-use crate::manager::{Action, Record};
+use crate::manager::{Action, Manager, Record};
 
 impl Step<'_> {
     /// Arms who is due next, by each clock.
@@ -14,7 +14,8 @@ impl Step<'_> {
         for (side, clock) in [Clock::Elapsed, Clock::Wall].into_iter().enumerate() {
             let Some(at) = self.manager.classes.next_due(clock) else { continue };
             let ahead = at.saturating_sub(self.now.by(clock));
-            if ahead < from_duration(ARMED_AHEAD) || self.manager.shutting_down {
+            let range = from_duration(ARMED_AHEAD)..=from_duration(ARMED_WITHIN);
+            if !range.contains(&ahead) || self.manager.shutting_down {
                 continue;
             }
             let armed_for = self.manager.armed_for.get_mut(side);
@@ -42,13 +43,16 @@ impl Step<'_> {
         true
     }
 
-    /// Who was due and is not about to start: it will start by another cause,
-    /// and be synced then.
+    /// Who was due and is not about to start, or was put off: it will start by
+    /// another cause or later, and be synced or armed again then.
     pub(crate) fn disarm_the_late(&mut self) {
         for index in self.manager.armed.clone() {
             let Some(entry) = self.entry(index) else { continue };
             let waits = match entry.place {
-                Place::Class => self.now.has_reached(entry.due),
+                Place::Class => {
+                    let ahead = self.now.until(entry.due);
+                    !(1..=from_duration(ARMED_WITHIN)).contains(&ahead)
+                }
                 Place::Live => entry.run.asked != crate::manager::entry::Asked::Waiting,
                 Place::Away | Place::Over => true,
             };
@@ -68,5 +72,14 @@ impl Step<'_> {
         }
         self.manager.armed.retain(|other| *other != index);
         true
+    }
+}
+
+impl Manager {
+    /// When whoever is due next by this clock is to be armed, if that is ahead.
+    pub(crate) fn next_to_arm(&self, clock: Clock) -> Option<Micros> {
+        let due = self.classes.next_due(clock)?;
+        let at = due.saturating_sub(from_duration(ARMED_WITHIN));
+        (at > self.last.by(clock) && !self.shutting_down).then_some(at)
     }
 }

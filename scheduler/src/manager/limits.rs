@@ -20,6 +20,11 @@ pub const MOST_ENDED: usize = 1_000;
 /// How far ahead an instant must lie to be prepared for. A sync takes less.
 pub const ARMED_AHEAD: Duration = Duration::from_millis(50);
 
+/// How far ahead an instant may lie to be prepared for. Who is armed when power
+/// is lost is taken to have started: that doubt must not last for hours. Any
+/// sync that a start can wait for takes less.
+pub const ARMED_WITHIN: Duration = Duration::from_secs(10);
+
 /// How late a host may be before it counts. A task whose window is one instant
 /// starts although the manager was woken this late, and a process may run so
 /// much longer than it was expected to before that is an overrun: to start and

@@ -13,7 +13,8 @@ impl Manager {
         let gaps = self.gaps.iter().map(|gap| gap.until);
         let by = |clock| {
             let timer = self.timers.next_due(clock);
-            timer.into_iter().chain(self.classes.next_due(clock)).min()
+            let others = [self.classes.next_due(clock), self.next_to_arm(clock)];
+            timer.into_iter().chain(others.into_iter().flatten()).min()
         };
         Due {
             elapsed: by(Clock::Elapsed).into_iter().chain(gaps).min().map(to_instant),

@@ -6,7 +6,7 @@ use faregate_scheduler::manager::{
     Action, Addition, Attempt, Event, Exit, Manager, Occurrence, Record, Restored, RestoredTask,
     Telecommand, TelecommandId,
 };
-use faregate_scheduler::task::{Dependency, Outcome, Restart, Status, Task};
+use faregate_scheduler::task::{Dependency, Outcome, Restart, Status, Task, When, Window};
 use faregate_scheduler::time::{Instant, Now, UnixTime};
 
 use crate::world::{BEGAN, With, World, id, seconds, task, wall};
@@ -436,4 +436,36 @@ fn a_task_that_has_the_id_of_a_cleanup_that_is_over_starts_after_a_restart() {
     let mut world = World::restored(Mission::default(), replay(world.journal.records), 10);
     world.until(500.0);
     assert_eq!(world.lines(&["started"]).len(), 1, "{:#?}", world.log.lines);
+}
+
+/// A loss of power long before it is due leaves no doubt whether it started.
+#[test]
+fn a_task_is_armed_shortly_before_it_is_due() {
+    let long_before = acts(vec![task(1, 1.0).at(100.0)], &[(89.9, vec![])]);
+    assert_eq!(long_before, ["accepted", "sync", "answer"]);
+    let mut world = World::of([task(1, 1.0).at(100.0)]);
+    let is_armed = |world: &World| {
+        let armed = |record: &Record| matches!(record, Record::Armed { .. });
+        world.journal.records.iter().any(armed)
+    };
+    world.until(89.9);
+    assert!(!is_armed(&world));
+    world.until(90.1);
+    assert!(is_armed(&world), "nobody has to ask for that");
+}
+
+#[test]
+fn who_is_put_off_is_not_armed_any_more() {
+    let mut world = World::of([task(1, 1.0).at(5.0)]);
+    world.until(1.0);
+    let windows = vec![Window { opens: wall(1_000), closes: When::Unrestricted }];
+    world.ask(Telecommand::SetWindows(id(1), windows));
+    let told = world
+        .journal
+        .records
+        .iter()
+        .filter(|record| matches!(record, Record::Armed { .. } | Record::Disarmed { .. }));
+    let occurrence = occurrence(0);
+    let expected = [Record::Armed { occurrence }, Record::Disarmed { occurrence }];
+    assert!(told.eq(expected.iter()));
 }
