@@ -73,8 +73,8 @@ pub trait Surroundings {
         Err(format!("{path} is not read"))
     }
 
-    /// The run has come so far, with so many attempts, and goes on until then,
-    /// where that is known. Answers whether it is to go on: what was looked at
+    /// The run has come so far, with so many attempts (or waits, where these are
+    /// more), and goes on until then, where that is known. Answers whether it is to go on: what was looked at
     /// is reported then.
     fn reached(&mut self, at: Duration, limit: Option<Duration>, runs: usize) -> bool {
         let _ = (at, limit);

@@ -259,6 +259,21 @@ fn a_schedule_with_too_many_runs_is_looked_at_in_part_and_that_is_said() {
     assert!(report(&analysis, 1).runs.len() >= 10_000);
 }
 
+/// Who waits each millisecond and never runs fills the memory, too.
+#[test]
+fn a_schedule_with_too_many_waits_is_looked_at_in_part() {
+    let mut holder = task(1, 80_000, 1, 2);
+    holder.preemption = Preemption::Wait;
+    let mut frantic = due(task(2, 0, 1, 1), 1);
+    frantic.interval = Some(Duration::from_millis(1));
+    let (mission, horizon) = (Mission::default(), Some(s(60)));
+    let options = Options { horizon, ..Options::default() };
+    let mut impatient = Impatient(10_000);
+    let analysis = analyze_in(&[holder, frantic], &mission, &options, &mut impatient).unwrap();
+    assert!(analysis.horizon < s(30), "{}", analysis.horizon);
+    assert!(kinds(&analysis).contains(&(ProblemKind::More, None)));
+}
+
 fn varying() -> [Task; 2] {
     let mut first = task(1, 10, 1, 2);
     first.spread = Some(Spread { shortest: s(8), longest: s(20) });

@@ -155,9 +155,11 @@ fn inversions(trace: &Trace) -> Vec<Problem> {
             }
             _ => continue,
         };
-        if !is_inverted(trace, wait, other) || !known.insert((wait.task, other)) {
+        // To find out takes a look at all waits of the task: once is enough.
+        if known.contains(&(wait.task, other)) || !is_inverted(trace, wait, other) {
             continue;
         }
+        known.insert((wait.task, other));
         let message = format!("{} waits for {other}, which is less important, {what}", wait.task);
         let problem = Problem::new(ProblemKind::Inversion, message);
         found.push(problem.of(wait.task).with(other).at(wait.at));
@@ -170,8 +172,8 @@ fn is_inverted(trace: &Trace, wait: &Wait, other: TaskId) -> bool {
     let (Some(track), Some(other)) = (trace.track(wait.task), trace.track(other)) else {
         return false;
     };
-    let lasted = track.waits.iter().any(|(from, until)| *from <= wait.at && wait.at < *until);
-    lasted && other.task.priority.level() < track.task.priority.level()
+    let lasted = || track.waits.iter().any(|(from, until)| *from <= wait.at && wait.at < *until);
+    other.task.priority.level() < track.task.priority.level() && lasted()
 }
 
 /// The first wait of each task.

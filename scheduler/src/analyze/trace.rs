@@ -145,7 +145,9 @@ impl<'a> Recorder<'a> {
     fn goes_on(&mut self, at: Duration, limit: Option<Duration>) -> bool {
         self.events = self.events.wrapping_add(1);
         if self.events.is_multiple_of(TELL_EVERY) {
-            self.is_full = !self.surroundings.reached(at, limit, self.started);
+            // Waits fill the memory, too, also those of tasks that never start.
+            let kept = self.started.max(self.waits.len());
+            self.is_full = !self.surroundings.reached(at, limit, kept);
         }
         !self.is_full
     }
