@@ -213,7 +213,12 @@ fn compact(storage: &dyn Storage, up_to: u64) -> Result<u64, JournalError> {
     let found = Found::list(storage)?;
     let sum = add_up(storage, &found, up_to)?;
     let snapshot = Segment::snapshot(up_to);
-    let bytes = write_snapshot(storage, snapshot, sum.replay.entries())?;
+    let written = write_snapshot(storage, snapshot, sum.replay.entries());
+    let bytes = written.inspect_err(|_| {
+        // Half of one counts for nothing, and a full disk has no room for it. If
+        // it cannot be removed, either, it goes with what the next one replaces.
+        let _ = storage.remove(&snapshot.name());
+    })?;
     points::hit(Point::AfterSnapshot);
     found.remove_up_to(storage, up_to)?;
     Ok(bytes)

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use faregate_scheduler::journal::memory::Disk;
 use faregate_scheduler::journal::storage::Storage;
 use faregate_scheduler::journal::{Compaction, Journal, Options, Replay};
+use faregate_scheduler::manager::Record;
 
 use crate::records;
 use crate::survival::ALONE;
@@ -103,4 +104,35 @@ fn a_compaction_that_fails_costs_nothing() {
         let (_, restored, _) = Journal::open_on(Arc::new(disk.clone()), options).unwrap();
         assert_eq!(restored, replay.restored(), "stopped after {operations} operations");
     }
+}
+
+/// On a full disk what is left of the attempt would be missing to the log.
+#[test]
+fn a_snapshot_that_does_not_fit_leaves_the_room_to_the_log() {
+    let disk = Disk::default();
+    let options = compacting(Compaction::Inline);
+    let (mut journal, ..) = Journal::open_on(Arc::new(disk.clone()), options).unwrap();
+    let mut replay = Replay::default();
+    // Nothing of this becomes less by adding it up.
+    for number in 1.. {
+        let record = records::accepted(records::task(number));
+        journal.append(&record).unwrap();
+        replay.apply(record);
+        journal.commit().unwrap();
+        if journal.log_bytes() > 2_000 {
+            break;
+        }
+    }
+    let used = || disk.names().unwrap().iter().map(|name| disk.read(name).unwrap().len()).sum();
+    let before: usize = used();
+    let mode = Record::Mode { name: "m".repeat(500), entered: true };
+    disk.set_room(Some(before + 700));
+    journal.sync().unwrap();
+    journal.append(&mode).unwrap();
+    replay.apply(mode);
+    journal.sync().unwrap();
+    assert_eq!(journal.compactions(), 0);
+    disk.kill_process();
+    let (_, restored, _) = Journal::open_on(Arc::new(disk.clone()), options).unwrap();
+    assert_eq!(restored, replay.restored());
 }
