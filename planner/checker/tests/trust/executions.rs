@@ -124,7 +124,9 @@ fn modes(timed: &TimedPlan) -> Vec<Entry> {
 }
 
 fn windows(world: &World) -> Vec<Entry> {
-    let all = world.state.windows.iter().enumerate().filter(|(_, w)| w.end <= world.plan.end);
+    let all = world.state.windows.iter().enumerate();
+    let now = world.state.now;
+    let all = all.filter(|(_, w)| now < w.end && w.end <= world.plan.end);
     let opens = all.flat_map(|(index, window)| {
         let of = |at, open| Entry { at, what: Happened::Window { index, open } };
         [of(window.start, true), of(window.end, false)]
