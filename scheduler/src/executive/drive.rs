@@ -199,7 +199,8 @@ impl Driver {
     /// program must end, and another one go on from the journal.
     pub fn turn(&mut self, now: Now, ports: &mut Ports<'_>) -> io::Result<bool> {
         let events = self.collect(now, ports);
-        if events.is_empty() && !is_due(self.manager.next_due(), now) {
+        let is_due = is_due(self.manager.next_due(), now);
+        if events.is_empty() && !is_due && !self.manager.has_news_of_the_clock(now) {
             return Ok(false);
         }
         self.manager.step(now, events, &mut self.actions);

@@ -49,7 +49,9 @@ pub(super) struct Kept {
     pub(super) held: bool,
     pub(super) removed: bool,
     pub(super) ended: Option<(u64, Outcome)>,
-    pub(super) attempts: u32,
+    /// Attempts that began, of the occurrence of this number: one after it may
+    /// have been missed while it waits for its next attempt.
+    pub(super) attempts: (u64, u32),
     pub(super) running: Option<Attempt>,
     pub(super) armed: Option<Occurrence>,
     /// Power was lost while it was armed.
@@ -70,13 +72,23 @@ impl Kept {
     /// ran: then that one is not over.
     pub(super) fn end(&mut self, number: u64, outcome: Outcome) {
         self.running = self.running.filter(|attempt| attempt.occurrence.number != number);
+        if self.attempts.0 == number {
+            self.attempts.1 = 0;
+        }
         if self.ended.is_some_and(|(ended, _)| ended >= number) {
             return;
         }
         self.ended = Some((number, outcome));
-        self.attempts = 0;
         self.armed = self.armed.filter(|armed| armed.number > number);
         self.armed_in_vain &= self.armed.is_some();
+    }
+
+    /// An attempt began. Answers whether nobody knew.
+    pub(super) fn began(&mut self, attempt: Attempt) -> bool {
+        let (number, before) = self.attempts;
+        let before = if number == attempt.occurrence.number { before } else { 0 };
+        self.attempts = (attempt.occurrence.number, before.max(attempt.number));
+        before < attempt.number
     }
 
     /// The first attempt of an occurrence uses what others' outcomes satisfied.

@@ -146,7 +146,7 @@ impl Replay {
             held: false,
             removed: false,
             ended: None,
-            attempts: 0,
+            attempts: (0, 0),
             running: None,
             armed: None,
             armed_in_vain: false,
@@ -244,7 +244,7 @@ impl Replay {
             kept.running = Some(attempt);
             kept.has_to_clean = false;
             kept.use_dependencies(attempt);
-            kept.attempts = kept.attempts.max(attempt.number);
+            kept.began(attempt);
             kept.armed = None;
             kept.armed_in_vain = false;
         }
@@ -255,10 +255,9 @@ impl Replay {
     fn over(&mut self, attempt: Attempt) {
         if let Some(kept) = self.of(attempt.occurrence) {
             kept.running = kept.running.filter(|running| *running != attempt);
-            if kept.attempts < attempt.number {
+            if kept.began(attempt) {
                 kept.use_dependencies(attempt);
             }
-            kept.attempts = kept.attempts.max(attempt.number);
             kept.armed = None;
             kept.armed_in_vain = false;
             self.forget(attempt.occurrence.task);

@@ -91,6 +91,7 @@ impl Step<'_> {
             class,
             current: 0,
             next: 0,
+            back: 0,
             place: Place::Away,
             arrival: accepted.elapsed,
             due: Point::elapsed(accepted.elapsed),

@@ -18,6 +18,9 @@ pub(crate) struct Entry {
     /// The number of the present occurrence, and of the one after it.
     pub(crate) current: u64,
     pub(crate) next: u64,
+    /// So many occurrences were due again because the time of day was set back:
+    /// a number stands for the time of the one that many before it.
+    pub(crate) back: u64,
     pub(crate) place: Place,
     /// When the present occurrence became due, or will.
     pub(crate) arrival: Micros,

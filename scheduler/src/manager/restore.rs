@@ -11,7 +11,7 @@ use crate::task::{Outcome, Preemption, Restart};
 struct Past {
     over: bool,
     ended: Option<(u64, Outcome)>,
-    attempts: u32,
+    attempts: (u64, u32),
     interrupted: Option<Attempt>,
     may_have_started: bool,
     has_to_clean: bool,
@@ -83,8 +83,9 @@ impl Step<'_> {
         let (id, leaves) = (entry.task.id, entry.removed);
         let first = entry.first_number(entry.accepted);
         let number = past.ended.map_or(first, |(last, _)| last.saturating_add(1));
+        self.is_back(index, number);
         let never = self.look_back(index);
-        if past.interrupted.is_some() || past.may_have_started || past.attempts > 0 {
+        if past.interrupted.is_some() || past.may_have_started || past.attempts.1 > 0 {
             // It depended on others until it began.
             self.go_on_with(index, number, past);
         } else if leaves {
@@ -103,10 +104,12 @@ impl Step<'_> {
     /// not known to have ended has failed.
     fn go_on_with(&mut self, index: u32, number: u64, past: Past) {
         let next = number;
+        let (of, attempts) = past.attempts;
+        let number = if attempts > 0 { of } else { number };
         let number = past.interrupted.map_or(number, |attempt| attempt.occurrence.number);
         self.make_present(index, number);
         let interrupted = past.interrupted.is_some() || past.may_have_started;
-        if past.attempts == 0 && past.interrupted.is_none() {
+        if attempts == 0 && past.interrupted.is_none() {
             // It may have begun, and used them.
             self.spend_dependencies(index);
         }
@@ -115,7 +118,7 @@ impl Step<'_> {
         entry.next = entry.next.max(next);
         entry.attempts = match past.interrupted {
             Some(attempt) => attempt.number,
-            None => past.attempts.saturating_add(u32::from(past.may_have_started)),
+            None => attempts.saturating_add(u32::from(past.may_have_started)),
         };
         let attempt = entry.attempt();
         // How many of them failed is not known: none may be tried too often.
@@ -133,6 +136,16 @@ impl Step<'_> {
         self.note(Note::Over { attempt, exit, outcome });
         if !self.restarts(index) {
             self.finish(index, outcome);
+        }
+    }
+
+    /// Where the time of day has been later than it is now.
+    fn is_back(&mut self, index: u32, number: u64) {
+        let now = self.now;
+        if let Some(entry) = self.entry_mut(index)
+            && let Some(back) = entry.back_for(number, now).filter(|_| number > 0)
+        {
+            entry.back = back;
         }
     }
 

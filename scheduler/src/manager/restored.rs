@@ -33,8 +33,10 @@ pub struct RestoredTask {
     pub over: bool,
     /// The latest outcome, of the occurrence of this number.
     pub ended: Option<(u64, Outcome)>,
-    /// How many attempts of the occurrence after `ended` began.
-    pub attempts: u32,
+    /// How many attempts of the occurrence of this number began, and it is not
+    /// over. That is the one after `ended`, or one before it: of those that are
+    /// due while it is tried again, the last is missed.
+    pub attempts: (u64, u32),
     /// The attempt that began and is not known to be over: it is interrupted.
     pub interrupted: Option<Attempt>,
     /// Whether the occurrence was to start without a sync and may have started:

@@ -1,9 +1,15 @@
 //! Routine tasks keep their phase, whatever becomes of their occurrences.
 
-use crate::manager::entry::Entry;
+use crate::manager::entry::{Entry, Place};
 use crate::manager::occurrence::{CUTOFF, WINDOW};
+use crate::manager::point::{Micros, Present};
 use crate::manager::step::Step;
 use crate::manager::timers::Kind;
+use crate::manager::{Manager, Record};
+use crate::time::Now;
+
+/// A clock that is set back by less is as good as right.
+const SET_BACK: Micros = 1_000_000;
 
 pub(crate) const SUPERSEDED: &str = "superseded: still waiting when the next one was due";
 pub(crate) const STILL_RUNNING: &str = "the one before was still running";
@@ -70,6 +76,62 @@ impl Step<'_> {
             self.settle_dependants(index, crate::task::Outcome::Missed, false);
         }
         self.begin(index, number);
+    }
+}
+
+impl Step<'_> {
+    /// Where the time of day was set back, times of day that have been come
+    /// again, and so do occurrences, with new numbers: else a task would be idle
+    /// until the clock is where it was.
+    pub(crate) fn look_at_the_clock(&mut self) {
+        if !self.manager.was_set_back(self.now) {
+            return;
+        }
+        let all: Vec<u32> = self.manager.order.values().copied().collect();
+        for index in all {
+            self.bring_back(index);
+        }
+    }
+
+    fn bring_back(&mut self, index: u32) {
+        let now = self.now;
+        let Some(entry) = self.entry_mut(index) else { return };
+        if !entry.is_routine() || entry.cleans_up || entry.place == Place::Over {
+            return;
+        }
+        let goes_on = entry.has_started();
+        let first = if goes_on { entry.next } else { entry.current };
+        let Some(back) = entry.back_for(first, now) else { return };
+        entry.back = back;
+        if goes_on {
+            let next = entry.due_of(entry.next);
+            return self.set_timer(index, Kind::Next, Some(next));
+        }
+        if self.disarm(index)
+            && let Some(entry) = self.entry(index)
+        {
+            let occurrence = entry.occurrence();
+            self.write(Record::Disarmed { occurrence });
+        }
+        self.unseat(index);
+        self.begin(index, first);
+    }
+}
+
+impl Manager {
+    /// Whether the time of day was set back since the last step, by more than a
+    /// clock is slowed down to be right. Then a step is due, whatever else is.
+    #[must_use]
+    pub(crate) fn was_set_back(&self, now: Present) -> bool {
+        let ahead = |at: Present| at.wall.saturating_sub(at.elapsed);
+        ahead(now) < ahead(self.last).saturating_sub(SET_BACK)
+    }
+
+    /// Whether the clock says that a step is to be taken now, though nothing
+    /// happened and nothing is due.
+    #[must_use]
+    pub fn has_news_of_the_clock(&self, now: Now) -> bool {
+        self.was_set_back(now.into())
     }
 }
 

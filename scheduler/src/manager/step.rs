@@ -27,6 +27,7 @@ impl<'a> Step<'a> {
         for event in exits {
             self.event(event);
         }
+        self.look_at_the_clock();
         self.ring_timers();
         self.end_gaps();
         for event in others {

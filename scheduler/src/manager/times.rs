@@ -26,7 +26,8 @@ impl Entry {
     pub(crate) fn last_due_by(&self, now: Present) -> Option<u64> {
         let since = now.until(self.due_of(0)).checked_neg()?;
         let interval = from_duration(self.task.interval?).max(1);
-        u64::try_from(since.checked_div_euclid(interval)?).ok()
+        let times = u64::try_from(since.checked_div_euclid(interval)?).ok()?;
+        Some(times.saturating_add(self.back))
     }
 
     /// The first window of the occurrence that is open; if none is, the one
@@ -67,7 +68,7 @@ impl Entry {
         let cutoff = self.point(self.task.cutoff, 0);
         let cutoff = cutoff.map_or(0, |end| intervals(since(end)));
         let first = windows.min().unwrap_or(0).max(cutoff);
-        from.max(u64::try_from(first).unwrap_or(0))
+        from.max(u64::try_from(first).unwrap_or(0).saturating_add(self.back))
     }
 
     /// A window that opened since the last step and has closed already, within
@@ -91,7 +92,23 @@ impl Entry {
 
     fn shift(&self, number: u64) -> Micros {
         let interval = self.task.interval.map_or(0, from_duration);
-        interval.saturating_mul(Micros::try_from(number).unwrap_or(Micros::MAX))
+        let times = number.saturating_sub(self.back);
+        interval.saturating_mul(Micros::try_from(times).unwrap_or(Micros::MAX))
+    }
+
+    /// How far back an occurrence is to be, where it would be due more than two
+    /// intervals from now: then it is due at the first time after now that is in
+    /// phase. None: it is due before, or at the very first time. A clock that is
+    /// set right by less than an interval lets nothing come twice.
+    pub(crate) fn back_for(&self, number: u64, now: Present) -> Option<u64> {
+        let interval = from_duration(self.task.interval?).max(1);
+        if now.until(self.due_of(number)) <= interval.saturating_mul(2) {
+            return None;
+        }
+        let since = now.until(self.due_of(0)).saturating_neg();
+        let times = if since < 0 { 0 } else { since.div_euclid(interval).saturating_add(1) };
+        let back = number.checked_sub(u64::try_from(times).unwrap_or(0))?;
+        (back > self.back).then_some(back)
     }
 
     fn point(&self, when: When, shift: Micros) -> Option<Point> {

@@ -100,9 +100,24 @@ fn attempts_count_until_the_occurrence_ends() {
     let records =
         [accepted(routine(1)), starting(1), preempted, Record::Starting { attempt: second }];
     let kept = only(records.clone());
-    assert_eq!((kept.attempts, kept.interrupted), (2, Some(second)));
+    assert_eq!((kept.attempts.1, kept.interrupted), (2, Some(second)));
     let kept = only(records.into_iter().chain([ended(1, Outcome::Failed)]));
-    assert_eq!((kept.attempts, kept.interrupted), (0, None));
+    assert_eq!((kept.attempts.1, kept.interrupted), (0, None));
+}
+
+/// It waits for its next attempt while later ones are due.
+#[test]
+fn attempts_are_those_of_their_occurrence_though_a_later_one_is_missed() {
+    let missed = |number| Record::Ended {
+        occurrence: occurrence(1, number),
+        outcome: Outcome::Missed,
+        wall: UnixTime::from_secs(0),
+    };
+    let records = [accepted(routine(1)), starting(1), over(1), missed(1), missed(2)];
+    let kept = only(records.clone());
+    assert_eq!((kept.attempts, kept.ended), ((0, 1), Some((2, Outcome::Missed))));
+    let kept = only(records.into_iter().chain([ended(1, Outcome::Failed)]));
+    assert_eq!((kept.attempts, kept.ended), ((0, 0), Some((2, Outcome::Missed))));
 }
 
 #[test]
@@ -119,13 +134,13 @@ fn a_changed_task_keeps_its_place_and_its_attempts() {
     let priority = TaskPriority::new(7).unwrap();
     let changed = Record::Changed { task: Box::new(Task { priority, ..task(1) }), held: true };
     let kept = only([accepted(task(1)), starting(1), changed]);
-    assert_eq!((kept.task.priority, kept.held, kept.attempts), (priority, true, 1));
+    assert_eq!((kept.task.priority, kept.held, kept.attempts.1), (priority, true, 1));
 }
 
 #[test]
 fn the_same_id_again_is_another_task() {
     let kept = only([accepted(task(1)), starting(1), accepted_as(task(1), 1, 2), over(1)]);
-    assert_eq!((kept.load, kept.attempts, kept.interrupted), (1, 0, None));
+    assert_eq!((kept.load, kept.attempts, kept.interrupted), (1, (0, 0), None));
 }
 
 #[test]

@@ -150,7 +150,7 @@ fn restored(task: Task) -> RestoredTask {
         held: false,
         over: false,
         ended: None,
-        attempts: 0,
+        attempts: (0, 0),
         interrupted: None,
         may_have_started: false,
         has_to_clean: false,
@@ -181,7 +181,7 @@ fn what_had_not_started_starts_if_its_window_is_open() {
 #[test]
 fn an_interrupted_attempt_has_failed_and_is_tried_again_only_by_its_policy() {
     let interrupted = |task: Task| RestoredTask {
-        attempts: 1,
+        attempts: (0, 1),
         interrupted: Some(Attempt { occurrence: occurrence(0), number: 1 }),
         ..restored(task)
     };
@@ -209,9 +209,49 @@ fn one_that_may_have_started_is_not_started_twice() {
 
 #[test]
 fn one_that_was_pre_empted_is_run_again_with_the_next_number() {
-    let preempted = RestoredTask { attempts: 2, ..restored(task(1, 1.0)) };
+    let preempted = RestoredTask { attempts: (0, 2), ..restored(task(1, 1.0)) };
     let world = after(preempted, 10, 60.0);
     assert_eq!(world.lines(&["started"]), ["0.000 task 1 attempt 3 started"]);
+}
+
+/// Occurrence 0 has failed and waits for its next attempt; 1 and 2 were due
+/// meanwhile, and are lost.
+#[test]
+fn one_that_waits_for_its_next_attempt_goes_on_though_later_ones_were_missed() {
+    let restart = Restart::OnFailure { limit: 3, back_off: seconds(25.0) };
+    let tried = |attempts| RestoredTask {
+        attempts,
+        ended: Some((2, Outcome::Missed)),
+        ..restored(task(1, 1.0).every(10.0).with(|task| task.restart = restart))
+    };
+    let world = after(tried((0, 2)), 28, 20.0);
+    assert_eq!(
+        world.lines(&["missed", "started", "task 1 succeeded"]),
+        [
+            "0.000 task 1 attempt 3 started",
+            "1.000 task 1 succeeded",
+            "2.000 task 1 occurrence 3 attempt 1 started",
+            "12.000 task 1 occurrence 4 attempt 1 started",
+        ]
+    );
+    // The control: nothing of it waits.
+    let world = after(tried((0, 0)), 28, 5.0);
+    assert_eq!(world.lines(&["started"]), ["2.000 task 1 occurrence 3 attempt 1 started"]);
+}
+
+/// Its last occurrence was due when the time of day was a year later.
+#[test]
+fn a_clock_that_was_set_back_while_nobody_was_there_leaves_nobody_idle() {
+    let absolute = task(1, 1.0).every(10.0).with(|task| task.windows[0].opens = wall(0));
+    let ahead = RestoredTask { ended: Some((3_162_240, Outcome::Succeeded)), ..restored(absolute) };
+    let world = after(ahead, 35, 18.0);
+    assert_eq!(
+        world.lines(&["missed", "started"]),
+        [
+            "5.000 task 1 occurrence 3162241 attempt 1 started",
+            "15.000 task 1 occurrence 3162242 attempt 1 started",
+        ]
+    );
 }
 
 #[test]
@@ -269,7 +309,7 @@ fn a_cleanup_is_not_forgotten() {
     };
     let attempt = Attempt { occurrence: occurrence(0), number: 1 };
     let interrupted =
-        RestoredTask { attempts: 1, interrupted: Some(attempt), ..restored(cleaned.clone()) };
+        RestoredTask { attempts: (0, 1), interrupted: Some(attempt), ..restored(cleaned.clone()) };
     let cleans = ["0.000 task 9 attempt 1 started"];
     assert_eq!(pair(interrupted, false), cleans, "it failed because the manager died");
     let failed =

@@ -114,9 +114,60 @@ fn a_jump_of_a_year_is_counted_and_not_run_through() {
         ]
     );
     assert_eq!(world.lines(&["task 2 occurrence 1"]), Vec::<&str>::new(), "it is relative");
+}
+
+/// Times of day that have been come again; numbers do not.
+#[test]
+fn a_clock_that_is_set_back_by_a_year_leaves_nobody_idle_for_that_year() {
+    let year = 366 * 86_400;
+    let mut world = World::of([
+        task(1, 1.0).every(5.0).with(|task| task.windows[0].opens = wall(10)),
+        // It runs while the clock is set.
+        task(2, 9.0).every(5.0).with(|task| task.windows[0].opens = wall(10)),
+        task(3, 1.0).every(50.0),
+    ]);
+    world.until(3.0);
+    world.jump(year);
+    world.until(5.0);
+    let last = |line: &str| line.split(' ').nth(4).and_then(|number| number.parse::<i64>().ok());
+    let told = world.lines(&["task 1 occurrence"]);
+    let number = told.into_iter().filter_map(last).max().unwrap();
     world.jump(-year);
-    world.until(40.0);
-    assert_eq!(world.lines(&["task 1 occurrence"]).len(), 3, "no occurrence comes twice");
+    world.news();
+    world.until(26.0);
+    let starts = |id: u32| {
+        let starts = world.lines(&[&format!("task {id} occurrence")]);
+        starts.into_iter().filter(|line| line.ends_with("started")).collect::<Vec<_>>()
+    };
+    let times = |first: i64, at: &[u32]| {
+        let numbers = first..;
+        let lines = at.iter().zip(numbers);
+        lines
+            .map(|(at, of)| format!("{at}.000 task 1 occurrence {of} attempt 1 started"))
+            .collect::<Vec<_>>()
+    };
+    // The anchor is the first time, and the phase is kept from it.
+    assert_eq!(starts(1), times(number + 1, &[10, 15, 20, 25]));
+    assert_eq!(starts(2).len(), 2, "{:?}", starts(2));
+    assert!(world.lines(&["task 3"]).is_empty(), "it is relative");
+}
+
+/// The control: what is set back within an interval is only late.
+#[test]
+fn a_clock_that_is_set_back_a_little_shifts_nothing() {
+    let mut world =
+        World::of([task(1, 1.0).every(10.0).with(|task| task.windows[0].opens = wall(0))]);
+    world.until(12.0);
+    world.jump(-4);
+    world.until(30.0);
+    assert_eq!(
+        starts(&world),
+        [
+            "0.000 task 1 attempt 1 started",
+            "10.000 task 1 occurrence 1 attempt 1 started",
+            "24.000 task 1 occurrence 2 attempt 1 started",
+        ]
+    );
 }
 
 #[test]

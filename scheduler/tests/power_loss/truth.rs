@@ -122,7 +122,7 @@ impl Truth {
 fn is_remembered(task: &RestoredTask, attempt: Attempt) -> bool {
     let number = attempt.occurrence.number;
     task.ended.is_some_and(|(ended, outcome)| ended >= number && outcome != Outcome::Missed)
-        || task.attempts >= attempt.number
+        || task.attempts.0 == number && task.attempts.1 >= attempt.number
         || task.interrupted == Some(attempt)
         || task.may_have_started
 }
