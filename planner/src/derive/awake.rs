@@ -38,6 +38,15 @@ pub(crate) struct Mark {
     pub(crate) phases: usize,
 }
 
+/// A sleep whose end is looked for.
+#[derive(Clone, Copy)]
+enum Sleep {
+    /// It is in progress now.
+    InProgress,
+    /// It begins; up to then it is known not to pass the maximum.
+    Begins(Option<Var>),
+}
+
 /// How a sleep ends.
 enum Wake {
     Up(Up),
@@ -94,7 +103,7 @@ impl<'a, 'w, W: Watch> Sweep<'a, 'w, W> {
     pub(crate) fn go_on(&mut self, mark: &Mark) {
         self.cursor = mark.cursor;
         self.met = (mark.met, 0);
-        let up = match self.wake(self.cursor, self.cursor.at, false) {
+        let up = match self.wake(self.cursor, self.cursor.at, Sleep::Begins(None)) {
             Wake::Up(up) => Some(self.sleep(up)),
             Wake::Never | Wake::Stay => None,
         };
@@ -172,7 +181,7 @@ impl<'a, 'w, W: Watch> Sweep<'a, 'w, W> {
             }
             Mode::Asleep => {}
         }
-        match self.wake(self.cursor, since, true) {
+        match self.wake(self.cursor, since, Sleep::InProgress) {
             Wake::Up(up) => Some(self.sleep(up)),
             Wake::Never | Wake::Stay => None,
         }

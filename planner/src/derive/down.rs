@@ -5,14 +5,16 @@ use crate::derive::own::VarNeed;
 use crate::derive::var::Var;
 use crate::energy::{Cursor, Watch};
 
-use super::{Down, Sweep, Wake};
+use super::{Down, Sleep, Sweep, Wake};
 
 /// A shutdown that might begin at the first cursor, and is over at the second:
-/// how far a shortest sleep would go past the maximum then.
+/// how far a shortest sleep, which ends at `until`, would go past the maximum
+/// then.
 #[derive(Clone, Copy)]
 struct Try {
     down: Cursor,
     asleep: Cursor,
+    until: Var,
     over: Var,
 }
 
@@ -49,7 +51,7 @@ impl<W: Watch> Sweep<'_, '_, W> {
     }
 
     fn accept(&mut self, found: Try) -> Down {
-        match self.wake(found.asleep, found.asleep.at, false) {
+        match self.wake(found.asleep, found.asleep.at, Sleep::Begins(Some(found.until))) {
             Wake::Stay => Down::Never,
             Wake::Never => Down::At(found.down.at, None),
             Wake::Up(up) => Down::At(found.down.at, Some(up)),
@@ -64,14 +66,17 @@ impl<W: Watch> Sweep<'_, '_, W> {
         // A sleep that the plan's end cuts needs only what is left of it.
         let left = self.end().minus(until);
         // A sleep of nothing would end at once, again and again.
-        let sleep = self.min(left, Var::fixed(computer.min_sleep.max(1)));
+        let shortest = Var::fixed(computer.min_sleep.max(1));
+        let is_cut = self.reach.le(left, shortest);
+        let sleep = if is_cut { left } else { shortest };
+        let until = if is_cut { self.end() } else { until.plus(shortest) };
         let gain = sleep.times(battery.idle.max(0));
         let mut over = asleep.charge.plus(gain).later(-battery.max);
         // A full battery is not above a maximum that is all it can hold.
         if battery.max >= battery.capacity {
             over = Var::fixed(0);
         }
-        Try { down, asleep, over }
+        Try { down, asleep, until, over }
     }
 
     /// The next instant at which `over` may go on in another direction.

@@ -6,12 +6,13 @@ use crate::derive::var::Var;
 use crate::energy::{Cursor, Watch};
 use crate::problem::Draw;
 
-use super::{Sweep, Up, Wake};
+use super::{Sleep, Sweep, Up, Wake};
 
 impl<W: Watch> Sweep<'_, '_, W> {
-    /// How a sleep ends that begins at the cursor, or is in progress there
-    /// (`first`), and counts from `since` on.
-    pub(super) fn wake(&mut self, cursor: Cursor, since: Var, first: bool) -> Wake {
+    /// How a sleep ends that begins at the cursor, or is in progress there, and
+    /// counts from `since` on.
+    pub(super) fn wake(&mut self, cursor: Cursor, since: Var, sleep: Sleep) -> Wake {
+        let first = matches!(sleep, Sleep::InProgress);
         let computer = self.problem.computer;
         let end = self.end();
         let need = self.need();
@@ -26,7 +27,7 @@ impl<W: Watch> Sweep<'_, '_, W> {
                 return Wake::Up(Up { wakeup: cursor.at, up, counted: up });
             }
         }
-        let Some(full) = self.full(cursor, until) else {
+        let Some(full) = self.full(cursor, until, sleep) else {
             let Some(need) = need else { return Wake::Never };
             if first && self.reach.lt(until.minus(since), Var::fixed(computer.min_sleep)) {
                 let by = computer.min_sleep - (until.at - since.at);
@@ -52,13 +53,18 @@ impl<W: Watch> Sweep<'_, '_, W> {
 
     /// The last instant of a sleep at which the charge is not above the
     /// maximum, where it comes above it until then.
-    fn full(&mut self, mut cursor: Cursor, until: Var) -> Option<Var> {
+    ///
+    /// Where a shutdown was put off for it, the charge at the shortest sleep's
+    /// end is less than a millisecond's worth below the maximum: a comparison
+    /// there would say nothing of a shift by a millisecond.
+    fn full(&mut self, mut cursor: Cursor, until: Var, sleep: Sleep) -> Option<Var> {
         let battery = self.problem.battery;
         if battery.max >= battery.capacity {
             return None;
         }
         let max = Var::fixed(battery.max);
-        if self.reach.lt(max, cursor.charge) {
+        let fits = if let Sleep::Begins(fits) = sleep { fits } else { None };
+        if fits.is_none() && self.reach.lt(max, cursor.charge) {
             return Some(cursor.at);
         }
         loop {
@@ -67,7 +73,8 @@ impl<W: Watch> Sweep<'_, '_, W> {
             let to = step.unwrap_or(until);
             let net = self.energy.net(&cursor, Draw::default());
             let charge = cursor.charge.plus(to.minus(cursor.at).times(net));
-            if net > 0 && self.reach.lt(max, charge) {
+            let is_known = fits.is_some_and(|fits| self.reach.le(to, fits));
+            if net > 0 && !is_known && self.reach.lt(max, charge) {
                 return Some(cursor.at.plus(max.minus(cursor.charge).divided(net)));
             }
             step?;

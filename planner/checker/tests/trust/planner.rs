@@ -97,9 +97,12 @@ fn days_of_any_length_are_searched_in_few_steps() {
         })
     };
     let (mut short, mut long) = (0, 0);
-    for (seed, (day, sol)) in steps(DAY).zip(steps(SOL)).enumerate() {
-        println!("{seed}: {} {} candidates {}", day.starts, sol.starts, sol.candidates);
+    let mut most = 0;
+    for (day, sol) in steps(DAY).zip(steps(SOL)) {
         (short, long) = (short + day.starts, long + sol.starts);
+        most = most.max(sol.starts / sol.candidates.max(1));
     }
-    println!("{short} starts tried in short days, {long} in long ones");
+    println!("{short} starts tried in short days, {long} in long ones; {most} for each candidate");
+    assert!(long < 2 * short, "{long} starts tried where {short} do in a shorter day");
+    assert!(most < 1_000, "{most} starts tried for each candidate");
 }
