@@ -11,6 +11,7 @@
 //! [`Timelines::valid_starts`] is exact for bits, engines, data and named
 //! timelines, and for peak power a condition that must hold among others.
 
+mod alone;
 mod claim;
 mod conflict;
 mod intervals;
@@ -218,6 +219,22 @@ impl Timelines {
         };
         raised.max += i128::from(by);
         self
+    }
+
+    /// Other values of a named timeline are allowed.
+    pub(crate) fn allow(&mut self, line: usize, (min, max): (i64, i64)) {
+        (self.named[line].min, self.named[line].max) = (min, max);
+    }
+
+    /// Something that is placed asks for other values of a named timeline, if
+    /// it asks for any.
+    pub(crate) fn ask(&mut self, line: usize, order: usize, range: (i64, i64)) {
+        self.named[line].ask(order, range);
+    }
+
+    /// Whether a named timeline has one user at a time.
+    pub(crate) fn is_unit(&self, line: usize) -> bool {
+        self.named[line].holders.is_some()
     }
 
     /// The same from nothing: everything that is inserted, once more. What

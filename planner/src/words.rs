@@ -79,7 +79,12 @@ impl<'a> Words<'a> {
     /// and when.
     #[must_use]
     pub fn excess(&self, excess: &Excess) -> String {
-        let broken = self.broken(&excess.limit, excess.amount);
+        let broken = match &excess.limit {
+            Limit::Resources(mask) => {
+                format!("{} held twice for {}", self.resources(*mask), span(excess.amount))
+            }
+            limit => self.broken(limit, excess.amount),
+        };
         let by = excess.by.map(|id| format!("{}: ", self.activity(id))).unwrap_or_default();
         format!("{by}{broken} at {}", self.second(excess.at))
     }
@@ -215,6 +220,15 @@ mod tests {
         excess.at = Time::new(51_600_000);
         excess.by = ActivityId::new(1);
         assert_eq!(words.excess(&excess), "drive: 1.5 MB above the data volume at 14:20");
+    }
+
+    #[test]
+    fn what_is_held_twice_is_said_with_how_long() {
+        let (plan, parameters) = (plan(), parameters());
+        let at = Time::new(51_600_000);
+        let held = Excess { by: None, limit: Limit::Resources(1 << 3), at, amount: 90_000 };
+        let said = Words::new(&plan, &parameters).excess(&held);
+        assert_eq!(said, "arm held twice for 1 min 30 s at 14:20");
     }
 
     #[test]

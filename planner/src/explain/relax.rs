@@ -1,5 +1,14 @@
-//! The smallest change of each limit.
+//! The smallest change of each number.
 
+mod computer;
+mod held;
+mod named;
+mod ranges;
+
+use core::mem::discriminant;
+use std::collections::BTreeMap;
+
+use crate::Problem;
 use crate::plan::ActivityId;
 use crate::schedule::Pass;
 use crate::schedule::place::Trial;
@@ -8,52 +17,45 @@ use crate::timed::{Limit, Reason};
 use crate::timeline::Intervals;
 use crate::units::{Ppm, Time};
 
-use super::{Change, Relaxation};
+use super::{Change, Number, Relaxation};
 
 /// A candidate at its turn.
 struct Turn<'a, 'p> {
     pass: &'a Pass<'p>,
     item: usize,
+    id: ActivityId,
     /// Starts that its ranges and what it depends on leave.
     left: Intervals,
-    /// The first limit in the way, if it is one that starts break.
-    blocks: Option<Limit>,
+    /// What is in the way of the first of them.
+    blocks: BTreeMap<Limit, Reason>,
 }
 
-pub(super) fn all(pass: &Pass<'_>, item: usize) -> Vec<Relaxation> {
+pub(super) fn all(pass: &Pass<'_>, item: usize, reason: &Reason) -> Vec<Relaxation> {
     let after = pass.after(item);
     let left = after.as_ref().map_or_else(|_| Intervals::none(), |&from| pass.left(item, from));
-    let blocks = left.first().and_then(|first| match pass.in_the_way(item, first.get()) {
-        Reason::Limit { limit, .. } => Some(limit),
-        _ => None,
-    });
-    let turn = Turn { pass, item, left, blocks };
-    let mut all = Vec::new();
-    let mut may = |limit: Limit, change: Option<Change>| {
-        if change.is_some() || turn.blocks.as_ref() == Some(&limit) {
-            all.push(Relaxation { limit, change });
+    let first = left.first().map(Time::get);
+    let mut blocks = first.map(|first| pass.all_in_the_way(item, first)).unwrap_or_default();
+    let other = match reason {
+        Reason::NoRangeLeft | Reason::Committed => Some(Limit::Range),
+        Reason::PriorOut(_) | Reason::PriorEnded(..) | Reason::WaitsForOutcome(_) => {
+            Some(Limit::Dependency)
         }
+        _ => None,
     };
-    may(Limit::SoftMinimum, turn.soft());
-    may(Limit::Handover, turn.handover());
-    may(Limit::Data, turn.raised(&Limit::Data, turn.data()));
-    may(Limit::Peak, turn.peak());
-    may(Limit::Engines, turn.raised(&Limit::Engines, turn.engines()));
-    let (held, change) = turn.resources();
-    may(held, change);
-    if let Some(limit) = turn.other() {
-        may(limit, None);
-    }
-    may(Limit::Range, turn.range());
-    may(Limit::Dependency, turn.dependency());
-    all
+    blocks.extend(other.map(|limit| (limit, reason.clone())));
+    Turn { pass, item, id: pass.id(item), left, blocks }.all()
 }
 
-/// The smallest change up to `most` with which something is found. Each
-/// larger one finds it, too.
+/// The smallest change up to `most` with which something is found; one unit
+/// less, and nothing is.
 fn least(most: i64, found: impl Fn(i64) -> Option<i64>) -> Option<(i64, i64)> {
-    let mut start = found(most)?;
-    let (mut few, mut enough) = (0, most);
+    let start = found(most)?;
+    Some(halved((most, start), found))
+}
+
+/// The same, where `enough` is known to be.
+fn halved((mut enough, mut start): (i64, i64), found: impl Fn(i64) -> Option<i64>) -> (i64, i64) {
+    let mut few = 0;
     while enough - few > 1 {
         let middle = few + (enough - few) / 2;
         match found(middle) {
@@ -61,45 +63,109 @@ fn least(most: i64, found: impl Fn(i64) -> Option<i64>) -> Option<(i64, i64)> {
             None => few = middle,
         }
     }
-    Some((enough, start))
+    (enough, start)
 }
 
-const fn change((by, start): (i64, i64)) -> Change {
-    Change { by, start: Time::new(start), with: None, range: None }
+const fn change(number: Number, (by, start): (i64, i64)) -> Change {
+    Change { number, by, start: Time::new(start), with: None, until: None }
 }
 
 impl Turn<'_, '_> {
+    fn all(&self) -> Vec<Relaxation> {
+        let mut all = Vec::new();
+        self.own(Limit::SoftMinimum, self.soft(), &mut all);
+        self.own(Limit::Handover, self.handover(), &mut all);
+        self.own(Limit::Data, self.raised(&Limit::Data, self.data()), &mut all);
+        self.own(Limit::Peak, self.peak(), &mut all);
+        self.own(Limit::Engines, self.raised(&Limit::Engines, self.engines()), &mut all);
+        self.helps(Limit::Resources(0), self.resources(), &mut all);
+        for (name, changes) in self.named() {
+            let changes = changes.into_iter();
+            let name = Limit::Timeline(name);
+            self.helps(name.clone(), changes.map(|it| (name.clone(), it)), &mut all);
+        }
+        let of = |limit: Limit| move |change| (limit.clone(), change);
+        self.helps(
+            Limit::Computer,
+            self.shutdowns().into_iter().map(of(Limit::Computer)),
+            &mut all,
+        );
+        self.helps(Limit::Lead, self.lead().map(of(Limit::Lead)), &mut all);
+        self.helps(Limit::Range, self.ranges().map(of(Limit::Range)), &mut all);
+        let dependencies = self.dependencies().into_iter();
+        self.helps(Limit::Dependency, dependencies.map(of(Limit::Dependency)), &mut all);
+        all
+    }
+
+    /// A limit that has one number.
+    fn own(&self, limit: Limit, found: Option<(i64, i64)>, all: &mut Vec<Relaxation>) {
+        let found = found.map(|found| (limit.clone(), change(Number::Limit, found)));
+        self.helps(limit, found, all);
+    }
+
+    /// What helps, or that nothing does, where the limit is in the way.
+    fn helps(
+        &self,
+        limit: Limit,
+        changes: impl IntoIterator<Item = (Limit, Change)>,
+        all: &mut Vec<Relaxation>,
+    ) {
+        let before = all.len();
+        let some = changes.into_iter();
+        all.extend(some.map(|(limit, it)| Relaxation { limit, change: Some(it) }));
+        let is_it = |other: &&Limit| match (&limit, other) {
+            (Limit::Timeline(name), Limit::Timeline(other)) => name == other,
+            (one, other) => discriminant(one) == discriminant(other),
+        };
+        if all.len() == before
+            && let Some(limit) = self.blocks.keys().find(is_it)
+        {
+            all.push(Relaxation { limit: limit.clone(), change: None });
+        }
+    }
+
     fn fits(&self, trial: &Trial<'_>, starts: &Intervals) -> Option<i64> {
         self.pass.first_fit(trial, starts, &mut Effort::default())
     }
 
-    fn soft(&self) -> Option<Change> {
+    /// Its turn once more, after a change of what the ground wrote.
+    fn again(&self, limit: &Limit, change: Change) -> Option<i64> {
+        let old = self.pass.problem;
+        let (mut plan, mut parameters) = (old.plan().clone(), old.parameters().clone());
+        let relaxation = Relaxation { limit: limit.clone(), change: Some(change) };
+        relaxation.apply(self.id, &mut plan, &mut parameters);
+        let problem = Problem::new(&plan, &parameters, old.state()).ok()?;
+        let slot = self.pass.again(&problem).find(self.item).ok()?;
+        Some(slot.start.get())
+    }
+
+    fn soft(&self) -> Option<(i64, i64)> {
         let soft = self.pass.problem.parameters.soft_min_soc.get();
         let found = |by: i64| {
             let problem = self.pass.problem.clone().with_soft(Ppm::new(soft - by));
             self.fits(&Trial { problem: &problem, ..self.pass.trial(self.item) }, &self.left)
         };
-        least(soft, found).map(change)
+        least(soft, found)
     }
 
-    fn handover(&self) -> Option<Change> {
+    fn handover(&self) -> Option<(i64, i64)> {
         let min = self.pass.problem.plan.handover_min_soc.get();
         let found = |by: i64| {
             let problem = self.pass.problem.clone().with_handover(Ppm::new(min - by));
             self.fits(&Trial { problem: &problem, ..self.pass.trial(self.item) }, &self.left)
         };
-        least(min, found).map(change)
+        least(min, found)
     }
 
-    fn raised(&self, limit: &Limit, most: i64) -> Option<Change> {
+    fn raised(&self, limit: &Limit, most: i64) -> Option<(i64, i64)> {
         let found = |by: i64| {
             let timelines = self.pass.timelines.clone().raised(limit, by);
             self.fits(&Trial { timelines: &timelines, ..self.pass.trial(self.item) }, &self.left)
         };
-        least(most, found).map(change)
+        least(most, found)
     }
 
-    fn peak(&self) -> Option<Change> {
+    fn peak(&self) -> Option<(i64, i64)> {
         let found = |by: i64| {
             let timelines = self.pass.timelines.clone().raised(&Limit::Peak, by);
             let mut problem = self.pass.problem.clone();
@@ -108,7 +174,7 @@ impl Turn<'_, '_> {
             self.fits(&Trial { timelines: &timelines, problem: &problem, ..trial }, &self.left)
         };
         let all = self.pass.world.peak + self.draw_of_everything();
-        least(all, found).map(change)
+        least(all, found)
     }
 
     /// More than it and all that is heated and awake for it can draw.
@@ -132,65 +198,5 @@ impl Turn<'_, '_> {
         let all = self.pass.problem.plan.activities.iter().map(|it| i64::from(it.engines));
         let windows = self.pass.problem.state.windows.iter().map(|it| i64::from(it.engines));
         all.chain(windows).sum()
-    }
-
-    /// Without the bits that are held at the first start that is left.
-    fn resources(&self) -> (Limit, Option<Change>) {
-        let trial = self.pass.trial(self.item);
-        let mut free = trial.claim.clone();
-        free.bits = 0;
-        let start = self.fits(&Trial { claim: &free, ..trial }, &self.left);
-        let with = self.left.first().and_then(|at| trial.timelines.conflict(trial.claim, at));
-        let with = with.filter(|it| matches!(it.limit, Limit::Resources(_)));
-        let limit = with.as_ref().map_or(Limit::Resources(trial.claim.bits), |it| it.limit.clone());
-        let with = with.and_then(|it| it.with);
-        (limit, start.map(|start| Change { with, ..change((0, start)) }))
-    }
-
-    /// A limit that is none of those that can be relaxed by a number.
-    fn other(&self) -> Option<Limit> {
-        self.blocks
-            .clone()
-            .filter(|limit| matches!(limit, Limit::Timeline(_) | Limit::Computer | Limit::Lead))
-    }
-
-    /// A start range that opens earlier, closes later, or may last longer.
-    fn range(&self) -> Option<Change> {
-        let problem = self.pass.problem;
-        let after = self.pass.after(self.item).ok()?;
-        let from = if problem.items[self.item].cleanup { problem.now } else { self.pass.from };
-        let first = after.max(from);
-        let last = problem.end - problem.items[self.item].shortest;
-        let trial = self.pass.trial(self.item);
-        let starts = |a: i64, b: i64| Intervals::between(Time::new(a), Time::new(b));
-        let shortest = problem.items[self.item].shortest;
-        let ranges = problem.plan.activities[self.item].starts.iter().enumerate();
-        let options = ranges.flat_map(|(at, range)| {
-            let (opens, closes) = (range.from.get().max(first), range.to.get());
-            let cutoff = range.cutoff.get().saturating_sub(shortest);
-            let to = |to: i64, cutoff: i64| to.min(cutoff).min(last);
-            let earlier = |by: i64| starts((opens - by).max(first), to(closes, cutoff));
-            let later = |by: i64| starts(opens, to(closes.saturating_add(by), cutoff));
-            let longer = |by: i64| starts(opens, to(closes, cutoff.saturating_add(by)));
-            let options = [
-                least(opens - first, |by| self.fits(&trial, &earlier(by))),
-                least(last.saturating_sub(closes).max(0), |by| self.fits(&trial, &later(by))),
-                least(last.saturating_sub(cutoff).max(0), |by| self.fits(&trial, &longer(by))),
-            ];
-            let options: Vec<_> = options.into_iter().flatten().filter(|it| it.0 > 0).collect();
-            options.into_iter().map(move |it| (it, at))
-        });
-        let (it, at) = options.min_by_key(|((by, start), at)| (*by, *start, *at))?;
-        Some(Change { range: Some(at), ..change(it) })
-    }
-
-    /// Without waiting for anything.
-    fn dependency(&self) -> Option<Change> {
-        let problem = self.pass.problem;
-        let with: Option<ActivityId> = problem.items[self.item].after.first().map(|on| on.1.prior);
-        with?;
-        let starts = self.pass.left(self.item, i64::MIN);
-        let start = self.fits(&self.pass.trial(self.item), &starts)?;
-        Some(Change { with, ..change((0, start)) })
     }
 }

@@ -79,6 +79,12 @@ pub(super) fn unavoidable(pass: &Pass<'_>) -> Vec<Excess> {
     let most = i64::from(problem.parameters.engines);
     let past = engines.points.iter().find(|(at, used)| at.get() >= problem.now && *used > most);
     is(Limit::Engines, past.map(|(at, _)| at.get()), past.map_or(0, |(_, used)| used - most));
+    if let Some(twice) = pass.timelines.held_twice() {
+        is(Limit::Resources(twice.bits), Some(twice.at.get()), twice.ms);
+    }
+    for (name, at, amount) in pass.timelines.out_of_range() {
+        is(Limit::Timeline(name.to_owned()), Some(at.get()), amount);
+    }
     all
 }
 

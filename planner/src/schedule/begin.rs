@@ -92,15 +92,36 @@ impl<'a> Pass<'a> {
             if !begins || !self.problem.items[item].is_candidate() || self.slots[item].is_some() {
                 continue;
             }
-            self.claims[item] = claim(self.problem, item, slot.length());
-            let (start, end) = (slot.start.get(), slot.end.get());
-            self.placed.insert(self.problem, Placement { item, start, end });
-            self.timelines.insert(&self.claims[item], slot.start);
-            self.slots[item] = Some(slot);
+            self.decide(item, slot);
             self.committed[item] = true;
-            if let Some(group) = self.problem.items[item].group {
-                self.groups[group].get_or_insert(item);
+        }
+    }
+
+    /// Everything that is decided so far, with other numbers: of a problem of
+    /// the same activities. What follows from it is derived anew.
+    pub(crate) fn again<'b>(&self, problem: &'b Problem) -> Pass<'b> {
+        let mut again = Pass::new(problem, None);
+        again.from = self.from;
+        for (item, slot) in self.slots.iter().enumerate() {
+            if let Some(slot) = *slot
+                && problem.items[item].is_candidate()
+            {
+                again.decide(item, slot);
             }
+        }
+        again.world = World::of(problem, &again.placed);
+        again
+    }
+
+    /// The world is not derived again.
+    fn decide(&mut self, item: usize, slot: Slot) {
+        self.claims[item] = claim(self.problem, item, slot.length());
+        let (start, end) = (slot.start.get(), slot.end.get());
+        self.placed.insert(self.problem, Placement { item, start, end });
+        self.timelines.insert(&self.claims[item], slot.start);
+        self.slots[item] = Some(slot);
+        if let Some(group) = self.problem.items[item].group {
+            self.groups[group].get_or_insert(item);
         }
     }
 }

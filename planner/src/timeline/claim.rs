@@ -142,6 +142,20 @@ impl Claim {
         Ok(claim)
     }
 
+    /// Asks for other values of a named timeline, if it asks for any.
+    pub(crate) fn ask(&mut self, line: usize, range: (i64, i64)) {
+        for touch in self.named.iter_mut().filter(|touch| touch.line == line) {
+            touch.keep = touch.keep.map(|_| range);
+        }
+    }
+
+    /// Takes nothing of a named timeline of which it only ever takes a part.
+    pub(crate) fn hold_nothing(&mut self, line: usize) {
+        for touch in self.named.iter_mut().filter(|touch| touch.line == line) {
+            *touch = Touch { line, keep: touch.keep, ..Touch::default() };
+        }
+    }
+
     fn keep(&mut self, line: usize, constraint: &Constraint) {
         let place = self.named.iter().position(|touch| touch.line == line);
         let place = place.unwrap_or_else(|| {

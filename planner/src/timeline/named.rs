@@ -103,6 +103,15 @@ impl Named {
         }
     }
 
+    /// Others are asked of it by something that is placed.
+    pub(super) fn ask(&mut self, order: usize, (min, max): (i64, i64)) {
+        for ((_, by), range) in &mut self.keeps {
+            if *by == order {
+                (range.min, range.max) = (min, max);
+            }
+        }
+    }
+
     /// What must be kept: by everybody, and for those that are placed.
     pub(super) fn ranges(&self) -> Vec<Range> {
         let always = Range { from: i64::MIN, to: self.end, min: self.min, max: self.max };

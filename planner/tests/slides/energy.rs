@@ -1,8 +1,7 @@
 //! "Predicting Future State of Charge", "Uses of State of Charge in
-//! Scheduling", and the smallest relaxation.
+//! Scheduling".
 
-use faregate_planner::explain;
-use faregate_planner::timed::{Limit, Reason};
+use faregate_planner::timed::Limit;
 use faregate_planner::units::{Ppm, Time};
 
 use crate::rover::*;
@@ -54,22 +53,4 @@ fn what_base_load_breaks_by_itself_blocks_nothing_that_makes_it_no_worse() {
     let timed = rover.timed();
     assert_eq!(timed.unavoidable[0].limit, Limit::SoftMinimum);
     assert_eq!(slot(&timed, 1), Some((300, 310)), "by then the charge has recovered");
-}
-
-#[test]
-fn the_smallest_relaxation_admits_it_and_one_unit_less_does_not() {
-    let rover = hungry(60);
-    let told = explain(&rover.problem(), None, id(1)).unwrap();
-    assert!(matches!(told.turn, Err(Reason::Limit { limit: Limit::SoftMinimum, .. })));
-    let soft = told.relaxations.iter().find(|it| it.limit == Limit::SoftMinimum).unwrap();
-    let change = soft.change.unwrap();
-    let with = |by: i64| {
-        let mut changed = hungry(60);
-        changed.parameters.soft_min_soc = Ppm::new(300_000 - by);
-        changed.timed().slot(id(1)).map(|slot| slot.start)
-    };
-    assert_eq!(with(change.by), Some(change.start));
-    assert_eq!(with(change.by - 1), None);
-    let range = told.relaxations.iter().find(|it| it.limit == Limit::Range).unwrap();
-    assert_eq!(range.change.map(|it| (it.by, it.start)), Some((10 * 60_000, min(70))));
 }

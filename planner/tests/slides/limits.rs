@@ -2,9 +2,10 @@
 //! Usage", "Activity Time Ranges".
 
 use faregate_agents::Categories;
-use faregate_planner::plan::{Activity, StartRange};
-use faregate_planner::state::Running;
-use faregate_planner::timed::{Limit, Reason};
+use faregate_planner::parameters::{TimelineKind, TimelineSpec};
+use faregate_planner::plan::{Activity, Effect, Impact, StartRange};
+use faregate_planner::state::{Running, Window};
+use faregate_planner::timed::{Excess, Limit, Reason};
 use faregate_planner::units::Bytes;
 
 use crate::rover::*;
@@ -82,4 +83,57 @@ fn an_activity_has_several_start_ranges_each_with_its_cutoff() {
     assert_eq!(timed.slot(id(1)).unwrap().range, 1);
     it.starts.pop();
     assert_eq!(reason(&rover(vec![it]).timed(), 1), Reason::NoRangeLeft);
+}
+
+fn window(from: i64, to: i64, mask: u128) -> Window {
+    Window {
+        name: "pass".into(),
+        start: min(from),
+        end: min(to),
+        awake: false,
+        marginal: Default::default(),
+        peak: Default::default(),
+        data: Default::default(),
+        engines: 0,
+        resources: Categories::from_mask(mask),
+    }
+}
+
+#[test]
+fn what_windows_and_running_ones_hold_twice_is_unavoidable() {
+    let bit = Categories::from_mask(0b110);
+    let mut rover = rover(vec![
+        Activity { resources: bit, ..activity(1, 100, 0, 0) },
+        Activity { resources: bit, ..activity(2, 10, 0, 600) },
+    ]);
+    let (started, ends) = (min(0), min(100));
+    let running =
+        Running { id: id(1), started, ends, cutoff: ends, paused: None, data: Bytes::ZERO };
+    rover.state.running = vec![running];
+    rover.state.mode = faregate_planner::state::Mode::Awake;
+    assert_eq!(rover.timed().unavoidable, []);
+    rover.state.windows = vec![window(40, 60, 0b010)];
+    let timed = rover.timed();
+    let held =
+        Excess { by: None, limit: Limit::Resources(0b010), at: min(40), amount: 20 * 60_000 };
+    assert_eq!(timed.unavoidable, [held]);
+    assert_eq!(slot(&timed, 2), Some((100, 110)));
+}
+
+#[test]
+fn a_named_timeline_that_a_running_one_drains_is_unavoidable() {
+    let rate = Impact { timeline: "fuel".into(), effect: Effect::Rate(-2) };
+    let mut rover = rover(vec![Activity { impacts: vec![rate], ..activity(1, 10, 0, 0) }]);
+    let name = "fuel".to_owned();
+    let kind = TimelineKind::Consumable;
+    rover.parameters.timelines = vec![TimelineSpec { name, kind, initial: 100, min: 0, max: 200 }];
+    let (started, ends) = (min(0), min(10));
+    let running =
+        Running { id: id(1), started, ends, cutoff: ends, paused: None, data: Bytes::ZERO };
+    rover.state.running = vec![running];
+    rover.state.mode = faregate_planner::state::Mode::Awake;
+    // Two a second: after 50 s there is none left, and a ms later too little.
+    let at = faregate_planner::units::Time::new(50_001);
+    let limit = Limit::Timeline("fuel".into());
+    assert_eq!(rover.timed().unavoidable, [Excess { by: None, limit, at, amount: 1 }]);
 }

@@ -3,5 +3,6 @@
 mod activities;
 mod energy;
 mod limits;
+mod relax;
 mod rover;
 mod wake_sleep;

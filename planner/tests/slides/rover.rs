@@ -11,6 +11,7 @@ use faregate_tickets::amount::{Microjoules, Milliwatts};
 pub(crate) const MANDATORY: u32 = 100;
 
 /// The plan, the parameters and the state, to be changed by a test.
+#[derive(Clone)]
 pub(crate) struct Rover {
     pub(crate) plan: Plan,
     pub(crate) parameters: Parameters,

@@ -1,12 +1,13 @@
 //! The search for a better plan, and for what would let more in. Either may take
-//! a while: it shows how far it is
-//! after a second, and an interrupt ends it with what was found by then.
+//! a while: it shows how far it is after a second, and an interrupt ends the
+//! first with what was found by then.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use faregate_planner::explain::explain;
+use faregate_planner::explain::explain_all;
 use faregate_planner::timed::Fate;
 use faregate_planner::words::Words;
 use faregate_planner::{
@@ -76,17 +77,19 @@ pub(super) fn explanations(
     words: &Words<'_>,
 ) -> Explanations {
     let out = timed.rows.iter().filter(|row| matches!(row.fate, Fate::Out(_)));
-    let mut patience =
-        Patience::new(u64::try_from(timed.rows.len()).unwrap_or(u64::MAX), "activities");
-    let explained = out.filter_map(|row| {
+    let out: BTreeSet<ActivityId> = out.map(|row| row.id).collect();
+    let turns = u64::try_from(problem.order().len()).unwrap_or(u64::MAX);
+    let mut patience = Patience::new(turns, "activities");
+    let explained = explain_all(problem, incumbent, |id| {
         patience.step();
-        let explanation = explain(problem, incumbent, row.id)?;
-        let said = explanation.relaxations.iter().map(|one| words.relaxation(one));
-        Some((row.id, said.collect::<Vec<_>>()))
+        out.contains(&id)
     });
-    let explained = explained.filter(|(_, said)| !said.is_empty()).collect();
     patience.bar.finish_and_clear();
-    explained
+    let said = explained.iter().map(|one| {
+        let said = one.relaxations.iter().map(|relaxation| words.relaxation(relaxation));
+        (one.id, said.collect::<Vec<_>>())
+    });
+    said.filter(|(_, said)| !said.is_empty()).collect()
 }
 
 impl Search {

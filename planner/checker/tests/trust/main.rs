@@ -3,9 +3,11 @@
 
 mod brute;
 mod executions;
+mod explained;
 mod mutants;
 mod planner;
 mod properties;
 mod replans;
+mod unavoidable;
 mod values;
 mod worlds;
