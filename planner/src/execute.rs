@@ -13,6 +13,7 @@
 //! | a planned start has come | checks everything again with what is known now, then asks for tickets |
 //! | the tickets are granted | checks once more, and starts the sequence |
 //! | cutoff passed; hard limit; optional and soft limit; optional and past its duration | aborts |
+//! | no estimate of the charge has come for too long | aborts what draws power, and sleeps |
 //! | tickets are taken | pauses what can be paused, aborts the rest |
 //! | something ended early, failed or was vetoed | starts what is planned next, if nothing planned has to start later for it |
 //! | an expanding activity is at its planned end | tells it to end, and gives it a grace |
@@ -25,7 +26,9 @@
 //! | `computer` | the computer and the heaters |
 //! | `dispatch`, `ready` | planned starts, and what is checked |
 //! | `early` | starts before the planned one |
+//! | `exchange` | what goes in and what comes out |
 //! | `outlook` | limits on the projection |
+//! | `silence` | when nobody knows the charge |
 //! | `wishes` | when a new plan is wanted |
 
 mod aborts;
@@ -35,143 +38,29 @@ mod computer;
 mod dispatch;
 mod due;
 mod early;
+mod exchange;
 mod handover;
 mod outlook;
 mod ready;
+mod silence;
 mod wishes;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use faregate_tickets::amount::Microjoules;
-
 use crate::parameters::Parameters;
-use crate::plan::{Activity, ActivityId, Outcome, Plan};
-use crate::state::{Mode, State, Window};
+use crate::plan::{Activity, ActivityId, Plan};
+use crate::state::State;
 use crate::timed::{Slot, TimedPlan};
-use crate::trace::{Cause, Unstarted, Why};
-use crate::units::{Bytes, Span, Time};
+use crate::trace::Why;
+use crate::units::Time;
 
+pub use exchange::{Action, Event, Options, Start};
 pub use outlook::Outlook;
 pub use ready::NotReady;
 
 pub(crate) use handover::{begin_next, with_what_runs};
 pub(crate) use ready::Look;
-
-/// How a plan is executed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Options {
-    /// Whether activities may start before their planned start.
-    pub early_starts: bool,
-    /// Whether new plans are made.
-    pub replans: bool,
-    /// A new plan is made at least this often while the computer is up.
-    pub period: Span,
-}
-
-impl Default for Options {
-    /// All that the planner can do; a new plan at least every half hour.
-    fn default() -> Self {
-        Self { early_starts: true, replans: true, period: Span::from_mins(30) }
-    }
-}
-
-impl Options {
-    /// The first timed plan, as it stands.
-    pub const STATIC: Self =
-        Self { early_starts: false, replans: false, period: Span::new(i64::MAX) };
-}
-
-/// Something happened, or was found out.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Event {
-    /// Nothing: time has passed.
-    Tick,
-    /// The sensors say this.
-    Estimate {
-        /// What the battery holds.
-        charge: Microjoules,
-        /// Which zones are warm enough; one that is not named is not.
-        zones: BTreeMap<String, bool>,
-    },
-    /// A variable's value changed; none: nobody knows it any more.
-    Variable(String, Option<i64>),
-    /// All tickets of an activity were granted.
-    Granted(ActivityId),
-    /// Its tickets were taken, and its devices were made safe.
-    Taken(ActivityId),
-    /// Its tickets are valid again.
-    Returned(ActivityId),
-    /// It ended by itself.
-    Ended(ActivityId, Outcome, Bytes),
-    /// What it has really added to the data on board by now.
-    Data(ActivityId, Bytes),
-    /// The computer has begun to do this.
-    Mode(Mode),
-    /// The communication windows are these.
-    Windows(Vec<Window>),
-    /// An activity must not start.
-    Veto(ActivityId),
-    /// A running activity must not go on.
-    Stop(ActivityId),
-    /// A new timed plan is executed from now on.
-    Adopt(Box<TimedPlan>),
-    /// The next plan, as it was asked for; or why there is none.
-    Next(Result<Arc<Plan>, String>),
-}
-
-/// What is to be done.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Action {
-    /// Ask for the tickets of an activity, all or nothing.
-    Request(ActivityId),
-    /// Give its tickets back, granted or not: it does not start now.
-    Withdraw(ActivityId),
-    /// Start it: its tickets are valid.
-    Start(Start),
-    /// Tell it to end.
-    TellToEnd(ActivityId),
-    /// Revoke its tickets, make its devices safe.
-    Abort(ActivityId, Cause),
-    /// It stands still.
-    Pause(ActivityId),
-    /// It goes on.
-    Resume(ActivityId),
-    /// It will not start.
-    NotStarted(ActivityId, Unstarted),
-    /// A block that nobody starts is over.
-    BlockOver(ActivityId),
-    /// Switch a zone's heater.
-    Heat {
-        /// The zone.
-        zone: String,
-        /// On or off.
-        on: bool,
-    },
-    /// Wake the computer, which takes this long.
-    Wake(Span),
-    /// Shut the computer down, which takes this long.
-    ShutDown(Span),
-    /// A new plan is wanted.
-    Replan(Vec<Why>),
-    /// The next plan is wanted.
-    LoadNext(String),
-    /// The next plan took over.
-    HandedOver,
-    /// The next plan could not take over.
-    NoNextPlan(String),
-}
-
-/// An activity is started.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Start {
-    /// Which one.
-    pub id: ActivityId,
-    /// Its planned end and the start range that it uses.
-    pub slot: Slot,
-    /// Whether this is before its planned start.
-    pub early: bool,
-}
 
 /// The control thread of one plan.
 #[derive(Clone, Debug)]
@@ -195,6 +84,12 @@ pub struct Control {
     below_soft: u32,
     /// The hard limit was reached, and the charge has not recovered.
     spent: bool,
+    /// When the charge was estimated last.
+    estimated_at: Time,
+    /// Since when nobody knows the charge.
+    blind: Option<Time>,
+    /// The computer has just come up, and its sensors have said nothing yet.
+    looks_around: bool,
     /// Something ended before its planned end, and what comes next may start.
     freed: bool,
     /// A new plan was wanted for that: its next activity may start, too.
@@ -204,6 +99,8 @@ pub struct Control {
     /// What a new plan was wanted for since the last one: not again.
     wished: BTreeSet<Why>,
     next_plan: NextPlan,
+    /// The next plan took over, and nobody has timed it yet.
+    is_untimed: bool,
     is_over: bool,
     actions: Vec<Action>,
 }
@@ -246,12 +143,16 @@ impl Control {
             warm: BTreeMap::new(),
             below_soft: 0,
             spent: false,
+            estimated_at: now,
+            blind: None,
+            looks_around: false,
             freed: false,
             tries_again: false,
             wishes: BTreeSet::new(),
             planned_at: now,
             wished: BTreeSet::new(),
             next_plan,
+            is_untimed: false,
             is_over: false,
             actions: Vec::new(),
         };
@@ -267,8 +168,12 @@ impl Control {
     /// the charge.
     pub fn step(&mut self, now: Time, event: Event) -> Vec<Action> {
         self.state.now = now;
+        let all_is_said = matches!(event, Event::Tick);
         self.absorb(event);
         if !self.is_over {
+            if all_is_said {
+                self.notice_silence();
+            }
             self.abort_what_must_not_go_on();
             self.take_over();
             self.close_ranges();

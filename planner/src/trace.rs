@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use faregate_tickets::amount::{Microjoules, Milliwatts};
 
-use crate::plan::{ActivityId, Outcome};
+use crate::plan::{ActivityId, Outcome, Plan};
 use crate::state::{Mode, State, Window};
 use crate::timed::{Slot, TimedPlan};
 use crate::units::{Bytes, Span, Time};
@@ -15,7 +15,7 @@ use crate::units::{Bytes, Span, Time};
 pub struct Trace {
     /// When it began.
     pub begin: Time,
-    /// When it was over: the plan's end, or its handover.
+    /// When it was over: the end of the plan, or of the last that took over.
     pub end: Time,
     /// Whether the first timed plan was executed as it stood: no new plans, no
     /// early starts.
@@ -25,6 +25,9 @@ pub struct Trace {
     pub charge_lag: Span,
     /// How wrong it was at most, in uJ.
     pub charge_noise: Microjoules,
+    /// How long the control thread believes an estimate of the charge while the
+    /// computer is up; none: for ever.
+    pub charge_holds: Option<Span>,
     /// The communication windows, as they really were.
     pub windows: Vec<Window>,
     /// What happened, in order; of what happened at one instant, causes first.
@@ -130,8 +133,12 @@ pub enum Happened {
     },
     /// How things really stand from now on. One after each change of loads.
     Truth(Truth),
-    /// The next plan took over.
-    HandedOver,
+    /// Something that nobody planned draws so much from now on.
+    Leak(Milliwatts),
+    /// The battery has lost so much at once.
+    Lost(Microjoules),
+    /// This plan took over, with the definitions of what runs.
+    HandedOver(Box<Plan>),
     /// The next plan could not take over: this plan goes on to its end.
     NoNextPlan(String),
 }
@@ -195,6 +202,8 @@ pub enum Cause {
     SoftLimit,
     /// It is optional, and ran past its duration.
     Duration,
+    /// It draws power, and nobody knew the charge any more.
+    ChargeUnknown,
     /// Its tickets were taken, and it cannot be paused.
     TicketsTaken,
     /// The ground or the host wanted it.

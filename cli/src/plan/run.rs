@@ -61,17 +61,31 @@ fn plan(
 }
 
 fn setup(args: &PlanRunArgs) -> Result<Setup, Failure> {
-    let Inputs { plan, parameters, state } =
-        input::read(&args.plan, &args.parameters, &args.state)?;
-    let script = args.faults.as_deref().map(|path| script::read(path, &plan, &parameters, &state));
-    let next = args.next.as_deref().map(|next| input::read(next, &args.parameters, &args.state));
-    let mut setup = Setup::new(Arc::new(plan), Arc::new(parameters), state, args.seed);
-    setup.script = script.transpose()?.unwrap_or_default();
-    setup.next = next.transpose()?.map(|next| Arc::new(next.plan));
+    let mut setup = match (&args.plan, &args.parameters, &args.state) {
+        (Some(plan), Some(parameters), Some(state)) => of_files(args, plan, parameters, state)?,
+        _ => Setup::random(args.seed),
+    };
     if args.is_static {
         setup.options = Options::STATIC;
     }
     Ok(setup)
+}
+
+fn of_files(
+    args: &PlanRunArgs,
+    plan: &Path,
+    parameters: &Path,
+    state: &Path,
+) -> Result<Setup, Failure> {
+    let next = args.next.as_deref().map(|next| input::read(next, parameters, state));
+    let Inputs { plan, parameters, state } = input::read(plan, parameters, state)?;
+    let script = args.faults.as_deref().map(|path| script::read(path, &plan, &parameters, &state));
+    let mut setup = Setup::new(Arc::new(plan), Arc::new(parameters), state, args.seed);
+    setup.script = script.transpose()?.unwrap_or_default();
+    Ok(match next.transpose()? {
+        Some(next) => setup.followed_by(Arc::new(next.plan)),
+        None => setup,
+    })
 }
 
 fn run_once(args: &PlanRunArgs, setup: &Setup) -> Result<Exit, Failure> {

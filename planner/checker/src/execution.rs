@@ -4,13 +4,18 @@
 mod aborts;
 mod charge;
 mod dispatch;
+mod early;
+mod fates;
+mod handover;
+mod physics;
 mod plans;
+mod sleeps;
 
 use std::collections::BTreeMap;
 
 use faregate_planner::plan::{Activity, ActivityId, Kind, Outcome};
 use faregate_planner::state::Mode;
-use faregate_planner::trace::{Cause, Entry, Happened, Trace};
+use faregate_planner::trace::{Entry, Happened, Trace};
 use faregate_planner::units::Time;
 use faregate_planner::{Parameters, Plan};
 
@@ -34,6 +39,10 @@ pub fn check_trace(plan: &Plan, parameters: &Parameters, trace: &Trace) -> Vec<V
     all.extend(charge::check(plan, parameters, trace));
     all.extend(aborts::check(parameters, trace));
     all.extend(plans::check(plan, parameters, trace));
+    all.extend(handover::check(plan, trace));
+    all.extend(physics::check(plan, parameters, trace));
+    all.extend(sleeps::check(plan, parameters, trace));
+    all.extend(early::check(plan, parameters, trace));
     all.sort_by_key(|violation| (violation.at, violation.rule));
     all
 }
@@ -64,7 +73,8 @@ struct Walk<'a> {
     estimates: Vec<i128>,
     /// Estimates in a row below the soft limit.
     below_soft: u32,
-    handed_over: bool,
+    /// When the charge was estimated last.
+    estimated_at: i64,
     wrong: Vec<Violation>,
 }
 
@@ -83,7 +93,7 @@ impl<'a> Walk<'a> {
             variables: BTreeMap::new(),
             estimates: Vec::new(),
             below_soft: 0,
-            handed_over: false,
+            estimated_at: trace.begin.get(),
             wrong: Vec::new(),
         };
         if let Some(Happened::Planned { state, .. }) = trace.entries.first().map(|e| &e.what) {
@@ -129,7 +139,7 @@ impl<'a> Walk<'a> {
         self.say(violation);
     }
 
-    fn enter(&mut self, entry: &Entry) {
+    fn enter(&mut self, entry: &'a Entry) {
         if entry.at.get() < self.now {
             self.say(Violation::new(Rule::InOrder, None, entry.at.get()));
         }
@@ -152,7 +162,7 @@ impl<'a> Walk<'a> {
             }
             Happened::Estimate { charge } => self.estimate(charge.get().into()),
             Happened::Truth(truth) => self.truth(truth),
-            Happened::HandedOver => self.handed_over = true,
+            Happened::HandedOver(next) => self.handed_over(next),
             Happened::Planned { .. }
             | Happened::Pushed { .. }
             | Happened::Requested(_)
@@ -160,14 +170,20 @@ impl<'a> Walk<'a> {
             | Happened::Revoked(_)
             | Happened::Safed(_)
             | Happened::Heater { .. }
+            | Happened::Leak(_)
+            | Happened::Lost(_)
             | Happened::NoNextPlan(_) => {}
         }
     }
 
     /// Time goes on to `at`: what should have been over by now?
     fn pass(&mut self, at: i64) {
-        let late: Vec<Violation> =
-            self.runs.iter().filter_map(|(id, runs)| self.late(*id, runs, at)).collect();
+        let late: Vec<Violation> = self
+            .runs
+            .iter()
+            .flat_map(|(id, runs)| [self.late(*id, runs, at), self.blind(*id, runs, at)])
+            .flatten()
+            .collect();
         for violation in late {
             let said =
                 |known: &Violation| known.rule == violation.rule && known.who == violation.who;
@@ -194,24 +210,12 @@ impl<'a> Walk<'a> {
         past.then(|| violation.by(at - until))
     }
 
-    fn ends(&mut self, id: ActivityId, outcome: Outcome) {
-        if self.runs.remove(&id).is_none() {
-            self.blame(Rule::Fate, id, "ended without having been started");
-        }
-        self.fate(id, outcome);
-    }
-
-    fn not_started(&mut self, id: ActivityId) {
-        if self.started.contains(&id) {
-            self.blame(Rule::Fate, id, "said not to start although it had");
-        }
-        self.fate(id, Outcome::NotStarted);
-    }
-
-    fn fate(&mut self, id: ActivityId, outcome: Outcome) {
-        if self.over.insert(id, outcome).is_some() {
-            self.blame(Rule::Fate, id, "its second");
-        }
+    /// Draws power although no estimate has come for longer than one is believed.
+    fn blind(&self, id: ActivityId, runs: &Runs, at: i64) -> Option<Violation> {
+        let until = self.estimated_at.saturating_add(self.trace.charge_holds?.get());
+        let draws = runs.paused.is_none() && !self.activity(id)?.marginal.is_zero();
+        let violation = Violation::new(Rule::RanBlind, Some(id), until);
+        (draws && at > until).then(|| violation.by(at - until))
     }
 
     fn paused(&mut self, id: ActivityId) {
@@ -245,28 +249,5 @@ impl<'a> Walk<'a> {
                 self.blame(Rule::DispatchedAwake, id, "the computer goes down");
             }
         }
-    }
-
-    /// The trace is over: everything has met its fate, or goes on elsewhere.
-    fn close(&mut self) {
-        self.pass(self.trace.end.get());
-        for activity in &self.plan.activities {
-            let manual = matches!(activity.kind, Kind::ManualShutdown { .. });
-            let goes_on = self.handed_over && self.runs.contains_key(&activity.id);
-            if !manual && !goes_on && !self.over.contains_key(&activity.id) {
-                self.blame(Rule::Fate, activity.id, "none");
-            }
-        }
-    }
-
-    fn aborted(&mut self, id: ActivityId, cause: Cause) {
-        let Some(runs) = self.runs.remove(&id) else {
-            return self.blame(Rule::Fate, id, "aborted without having been started");
-        };
-        if !self.has_cause(id, &runs, cause) {
-            let detail = format!("{cause:?}");
-            self.blame(Rule::AbortCause, id, &detail);
-        }
-        self.fate(id, Outcome::Aborted);
     }
 }

@@ -109,6 +109,8 @@ rules! {
     RanPastCutoff = "was not over at its cutoff",
     /// Execution: nothing that draws power runs on at the hard limit.
     RanAtHardLimit = "ran on at the hard limit of the state of charge",
+    /// Execution: nothing that draws power runs on while nobody knows the charge.
+    RanBlind = "ran on although nobody knew the charge any more",
     /// Execution: nothing optional runs on below the soft limit.
     RanBelowSoft = "is optional, and ran on below the soft limit",
     /// Execution: nothing optional runs on past its duration.
@@ -119,12 +121,24 @@ rules! {
     AbortSafed = "was aborted, but not revoked and made safe",
     /// Execution: only what is marked so is paused.
     Paused = "was paused although it is not pausable",
+    /// Execution: an early start is in nobody's way.
+    EarlyBeside = "started early in the way of what is planned",
+    /// Execution: no sleep ends before it is worth it.
+    SleptTooShort = "slept shorter than the minimum, with a wakeup as planned",
     /// Execution: a cleanup follows a failure or an abort.
     CleanupAfter = "cleaned up although nothing had failed or was aborted",
     /// Execution: at most one member of a group starts.
     RanGroup = "started although another member of its group had",
     /// Execution: a new plan leaves the commit window alone.
     Recommitted = "a new plan did not leave the commit window alone",
+    /// Execution: at handover the next plan takes over, or it is said why not.
+    TookOver = "the next plan did not take over as it should",
+    /// Execution: the load is that of what was commanded.
+    TrueLoad = "what is drawn is not what was commanded",
+    /// Execution: the charge is what generation and loads make of it.
+    TrueCharge = "the charge does not follow from what was drawn",
+    /// Execution: the data on board are what was made and not sent.
+    TrueData = "the data on board is not the sum of what was made and sent",
     /// Execution: what is recorded is in order of time.
     InOrder = "the record is not in order of time",
     /// Execution: every activity has one fate.
@@ -179,9 +193,13 @@ impl fmt::Display for Violation {
 
 const fn unit(rule: Rule) -> &'static str {
     match rule {
-        Rule::Peak | Rule::RanPeak => " mW",
-        Rule::Data => " B",
-        Rule::SoftMinimum | Rule::Handover | Rule::Full | Rule::RanAtHardLimit => " uJ",
+        Rule::Peak | Rule::RanPeak | Rule::TrueLoad => " mW",
+        Rule::Data | Rule::TrueData => " B",
+        Rule::SoftMinimum
+        | Rule::Handover
+        | Rule::Full
+        | Rule::RanAtHardLimit
+        | Rule::TrueCharge => " uJ",
         Rule::Range
         | Rule::Cutoff
         | Rule::End
@@ -193,6 +211,9 @@ const fn unit(rule: Rule) -> &'static str {
         | Rule::MinAwake
         | Rule::MinSleep
         | Rule::RanPastCutoff
+        | Rule::RanBlind
+        | Rule::SleptTooShort
+        | Rule::TookOver
         | Rule::RanPastDuration => " ms",
         _ => "",
     }

@@ -68,7 +68,12 @@ pub fn campaign<P: Planner>(
         }
         work();
     });
-    counts.into_inner()
+    let mut counts = counts.into_inner();
+    if let Ok(counts) = &mut counts {
+        // Threads come as they come; whoever reads does not.
+        counts.violations.sort();
+    }
+    counts
 }
 
 impl Counts {

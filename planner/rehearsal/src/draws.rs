@@ -91,6 +91,13 @@ impl Draws {
         Self { of: draws.collect() }
     }
 
+    /// Draws for a plan that follows, too. Who was drawn for already keeps that.
+    pub fn add(&mut self, plan: &Plan, seed: u64, odds: &Odds) {
+        for one in &plan.activities {
+            self.of.entry(one.id).or_insert_with(|| Draw::new(one, seed, odds));
+        }
+    }
+
     /// What an activity takes; what was planned where nothing was drawn.
     #[must_use]
     pub fn of(&self, id: ActivityId) -> Draw {

@@ -10,7 +10,8 @@ use faregate_planner::state::{Mode, Window};
 use faregate_planner::trace::{Entry, Happened, Trace, Why};
 use faregate_planner::units::{Span, Time};
 use faregate_planner::{ActivityId, TimedPlan};
-use faregate_tickets::clock::{Clock, Instant};
+use faregate_tickets::amount::Milliwatts;
+use faregate_tickets::clock::{Clock, Duration, Instant};
 
 use crate::draws::Draws;
 use crate::station::{Seat, Station, SwitchTicket};
@@ -40,8 +41,8 @@ pub(crate) struct Host<'h, 'b, 'g> {
     /// The windows as the communication behaviour has them.
     pub(crate) known: Vec<Window>,
     last_truth: Option<RoverTruth>,
-    /// Nothing follows: the next plan took over.
-    pub(crate) handed_over: bool,
+    /// What something draws that nobody planned.
+    pub(crate) leak: Milliwatts,
 }
 
 /// The tickets of an activity.
@@ -75,23 +76,20 @@ impl<'h, 'b, 'g> Host<'h, 'b, 'g> {
         first: TimedPlan,
         watch: &'h mut dyn FnMut(&Entry),
     ) -> Self {
-        let (plan, parameters) = (setup.plan.clone(), setup.parameters.clone());
+        let (plan, parameters) = setup.believed();
         let state = setup.state.clone();
         let planned = Happened::Planned {
             why: vec![Why::First],
             state: Box::new(state.clone()),
             timed: Box::new(first.clone()),
         };
-        let senses = setup.senses;
-        let lag = (senses.period.as_micros() + senses.lag.as_micros()) / 1_000;
-        let lag =
-            i64::try_from(lag).unwrap_or(i64::MAX).saturating_add(setup.script.silence().get());
         let trace = Trace {
             begin: state.now,
             end: plan.end,
             is_static: !setup.options.replans,
-            charge_lag: Span::new(lag),
-            charge_noise: senses.charge_noise,
+            charge_lag: charge_lag(setup),
+            charge_noise: setup.senses.charge_noise,
+            charge_holds: Some(setup.options.charge_holds),
             windows: state.windows.clone(),
             entries: Vec::new(),
         };
@@ -111,7 +109,7 @@ impl<'h, 'b, 'g> Host<'h, 'b, 'g> {
             others: BTreeMap::new(),
             known: state.windows.clone(),
             last_truth: None,
-            handed_over: false,
+            leak: Milliwatts::ZERO,
             control: Control::new(plan, parameters, state, first, setup.options),
             setup,
         };
@@ -124,7 +122,7 @@ impl<'h, 'b, 'g> Host<'h, 'b, 'g> {
         loop {
             self.settle(planner)?;
             self.note_truth();
-            if self.control.is_over() || self.handed_over {
+            if self.control.is_over() {
                 break;
             }
             let next = self.next().ok_or(NotRehearsed::StandsStill)?;
@@ -204,6 +202,16 @@ impl<'h, 'b, 'g> Host<'h, 'b, 'g> {
             self.last_truth = Some(truth);
         }
     }
+}
+
+/// How late what is known of the charge can be: from one measurement to the
+/// next, and until that one has arrived. Where the sensors are silent, as long as
+/// the last one is believed.
+fn charge_lag(setup: &Setup) -> Span {
+    let senses = &setup.senses;
+    let ms = |time: Duration| i64::try_from(time.as_micros() / 1_000).unwrap_or(i64::MAX);
+    let holds = if setup.script.is_ever_silent() { setup.options.charge_holds.get() } else { 0 };
+    Span::new(ms(senses.period).max(holds).saturating_add(ms(senses.lag)))
 }
 
 fn whole_milliseconds(at: Instant) -> Instant {

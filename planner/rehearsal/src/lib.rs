@@ -17,22 +17,27 @@
 //! | [`Script`], [`Mishap`] | what goes wrong |
 //! | [`Sequences`] | which units a sequence commands |
 //! | [`Summary`], [`Won`] | what came of it |
+//! | [`Setup::random`] | all of this, drawn from one number |
 //! | [`campaign`] | many executions, counted |
+//! | [`Breaks`] | what a checker must find |
 
 #![forbid(unsafe_code)]
 
+mod breaks;
 pub mod campaign;
 mod draws;
 mod host;
 mod model;
 mod perform;
 mod poll;
+mod random;
 mod rank;
 mod record;
 mod script;
 mod sequences;
 mod station;
 mod summary;
+mod throws;
 
 use std::fmt;
 use std::sync::Arc;
@@ -46,6 +51,7 @@ use faregate_tickets::clock::Duration;
 use faregate_tickets::notify::NoNotify;
 use faregate_tickets::recorder::NoLane;
 
+pub use breaks::{Belief, Breaks};
 pub use draws::{Draw, Draws, Odds};
 pub use rank::ticket_priority;
 pub use script::{Mishap, Script};
@@ -78,6 +84,8 @@ pub struct Setup {
     pub next: Option<Arc<Plan>>,
     /// Decides what is drawn of the rover: noise, how fast zones warm.
     pub seed: u64,
+    /// What is broken, so that checkers can be seen to find it.
+    pub breaks: Breaks,
 }
 
 impl Setup {
@@ -101,7 +109,25 @@ impl Setup {
             senses,
             next: None,
             seed,
+            breaks: Breaks::default(),
         }
+    }
+
+    /// What the control thread believes.
+    pub(crate) fn believed(&self) -> (Arc<Plan>, Arc<Parameters>) {
+        match &self.breaks.believes {
+            Some(belief) => (belief.plan.clone(), belief.parameters.clone()),
+            None => (self.plan.clone(), self.parameters.clone()),
+        }
+    }
+
+    /// The same, with a plan that takes over at handover, and usual odds for its
+    /// activities.
+    #[must_use]
+    pub fn followed_by(mut self, next: Arc<Plan>) -> Self {
+        self.draws.add(&next, self.seed, &Odds::default());
+        self.next = Some(next);
+        self
     }
 }
 
@@ -160,7 +186,8 @@ impl fmt::Display for NotRehearsed {
 
 impl std::error::Error for NotRehearsed {}
 
-/// Executes a plan from its state to its end.
+/// Executes a plan from its state to its end; to that of the next plan, if it
+/// took over.
 ///
 /// # Errors
 /// [`NotRehearsed`].

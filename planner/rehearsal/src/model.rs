@@ -78,7 +78,8 @@ fn computer(setup: &Setup) -> ComputerModel {
         shutdown: load(parameters.shutdown.load),
         wakeup_time: duration(parameters.wakeup.duration),
         shutdown_time: duration(parameters.shutdown.duration),
-        is_awake: setup.state.mode == Mode::Awake,
+        // One that shuts down is told to at once.
+        is_awake: matches!(setup.state.mode, Mode::Awake | Mode::ShuttingDown),
     }
 }
 

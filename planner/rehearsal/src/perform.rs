@@ -7,7 +7,7 @@ use faregate_planner::plan::{Activity, Kind, Outcome};
 use faregate_planner::state::Mode;
 use faregate_planner::trace::{Cause, Happened, Why};
 use faregate_planner::units::{Bytes, Span};
-use faregate_planner::{ActivityId, TimedPlan};
+use faregate_planner::{ActivityId, Plan, TimedPlan};
 
 use crate::draws::share;
 use crate::host::{Heater, Held, Host};
@@ -31,7 +31,7 @@ impl Host<'_, '_, '_> {
                 self.rover.tell_to_end(id.get());
             }
             Action::Abort(id, cause) => self.abort(id, cause),
-            Action::Pause(id) => self.note(Happened::Paused(id)),
+            Action::Pause(id) => self.pause(id),
             Action::Resume(id) => self.resume(id),
             Action::NotStarted(id, why) => self.note(Happened::NotStarted { id, why }),
             Action::BlockOver(id) => {
@@ -48,8 +48,8 @@ impl Host<'_, '_, '_> {
                 self.events.push_back(Event::Next(next));
             }
             Action::HandedOver => {
-                self.note(Happened::HandedOver);
-                self.handed_over = true;
+                let plan = Box::new(Plan::clone(self.control.plan()));
+                self.note(Happened::HandedOver(plan));
             }
             Action::NoNextPlan(why) => self.note(Happened::NoNextPlan(why)),
         }
@@ -57,18 +57,21 @@ impl Host<'_, '_, '_> {
     }
 
     fn replan(&mut self, why: Vec<Why>, planner: &mut dyn Planner) -> Result<(), NotRehearsed> {
-        if self.handed_over {
-            return Ok(());
-        }
         let incumbent = self.control.incumbent();
         self.note_pushed(&incumbent);
-        let (plan, parameters) = (self.control.plan(), &self.setup.parameters);
+        let (plan, parameters) = (self.true_plan(), &self.setup.parameters);
         let state = Box::new(self.control.state().clone());
         let timed = planner.plan(plan, parameters, &state, Some(&incumbent));
         let timed = Box::new(timed.map_err(NotRehearsed::NoPlan)?);
         self.note(Happened::Planned { why, state, timed: timed.clone() });
         self.events.push_back(Event::Adopt(timed));
         Ok(())
+    }
+
+    /// Whoever plans has the plan as it is, whatever the control thread believes.
+    fn true_plan(&self) -> &Plan {
+        let believes = self.setup.breaks.believes.is_some();
+        if believes { &self.setup.plan } else { self.control.plan() }
     }
 
     fn note_pushed(&mut self, incumbent: &TimedPlan) {
@@ -157,6 +160,14 @@ impl Host<'_, '_, '_> {
             engines: activity.engines,
             data: share(activity.data.get(), draw.data),
             zones: zones.collect(),
+        }
+    }
+
+    /// It stands still already: its place was made safe.
+    fn pause(&mut self, id: ActivityId) {
+        self.note(Happened::Paused(id));
+        if self.setup.breaks.goes_on {
+            self.rover.resume(id.get());
         }
     }
 

@@ -163,9 +163,12 @@ impl<'b, 'g> Host<'_, 'b, 'g> {
     fn poll_script(&mut self) {
         let now = self.now();
         let setup = self.setup;
+        self.notice_leaks();
         for (index, mishap) in setup.script.0.iter().enumerate() {
             let (from, until) = match mishap {
-                Mishap::Veto { at, .. } | Mishap::Stop { at, .. } => (*at, *at),
+                Mishap::Veto { at, .. }
+                | Mishap::Stop { at, .. }
+                | Mishap::Discharge { at, .. } => (*at, *at),
                 Mishap::Commandeered { from, until, .. } => (*from, *until),
                 _ => continue,
             };
@@ -180,10 +183,19 @@ impl<'b, 'g> Host<'_, 'b, 'g> {
         }
     }
 
+    /// The rover drains itself: here it is put on record, for whoever adds up.
+    fn notice_leaks(&mut self) {
+        let leak = self.setup.script.leak(self.now());
+        if leak != std::mem::replace(&mut self.leak, leak) {
+            self.note(Happened::Leak(leak));
+        }
+    }
+
     fn begin_mishap(&mut self, mishap: &Mishap) -> Option<Seat<'b, 'g>> {
         match mishap {
             Mishap::Veto { id, .. } => self.events.push_back(Event::Veto(*id)),
             Mishap::Stop { id, .. } => self.events.push_back(Event::Stop(*id)),
+            Mishap::Discharge { energy, .. } => self.note(Happened::Lost(*energy)),
             Mishap::Commandeered { draw, resources, .. } => {
                 let needs = Needs {
                     draw: *draw,

@@ -1,10 +1,11 @@
 //! What goes wrong in an execution, as values.
 
+mod drawn;
+
 use faregate_agents::Categories;
-use faregate_devices_sim::Dice;
+use faregate_planner::ActivityId;
 use faregate_planner::state::Window;
-use faregate_planner::units::{Span, Time};
-use faregate_planner::{ActivityId, Parameters, Plan, State};
+use faregate_planner::units::Time;
 use faregate_tickets::amount::{Microjoules, Milliwatts};
 use serde::{Deserialize, Serialize};
 
@@ -95,59 +96,17 @@ pub enum Mishap {
 pub struct Script(pub Vec<Mishap>);
 
 impl Script {
-    /// What may go wrong on a bad day, drawn from a seed: charge is lost,
-    /// something draws, a heater or the sensors fail, somebody takes tickets, a
-    /// window is cancelled.
-    #[must_use]
-    pub fn drawn(plan: &Plan, parameters: &Parameters, state: &State, seed: u64) -> Self {
-        let mut dice = Dice::new(seed, 1 << 41);
-        let mut mishaps = Vec::new();
-        let length = u64::try_from(plan.end.since(state.now).get()).unwrap_or(0);
-        for kind in 0..6 {
-            let (thrown, at, long) =
-                (dice.below(100), dice.below(length), dice.below(length / 10 + 1));
-            let at = later(state.now, at);
-            let (from, until) = (at, later(at, long));
-            let part = Microjoules::new(state.capacity.get() / 100 * (10 + dice.below(60)));
-            let index = dice.index(state.windows.len());
-            let zone = parameters.zones.get(dice.index(parameters.zones.len()));
-            mishaps.extend(match kind {
-                0 if thrown < 50 => Some(Mishap::Discharge { at, energy: part }),
-                1 if thrown < 30 => {
-                    Some(Mishap::Drain { from, until, load: Milliwatts::from_watts(200) })
-                }
-                2 if thrown < 20 => Some(Mishap::SensorsSilent { from, until }),
-                3 if thrown < 30 => zone.map(|zone| {
-                    let zone = zone.name.clone();
-                    Mishap::HeaterDead { zone, from, until }
-                }),
-                4 if thrown < 60 => Some(Mishap::Commandeered {
-                    from,
-                    until,
-                    draw: Milliwatts::new(parameters.peak_limit.get() / 2),
-                    resources: Categories::NONE,
-                }),
-                5 if thrown < 20 && !state.windows.is_empty() => {
-                    Some(Mishap::Window { at, index, becomes: None })
-                }
-                _ => None,
-            });
-        }
-        Self(mishaps)
+    /// Whether the sensors ever say nothing new.
+    pub(crate) fn is_ever_silent(&self) -> bool {
+        self.0.iter().any(|mishap| matches!(mishap, Mishap::SensorsSilent { .. }))
     }
-}
 
-impl Script {
-    /// How long the sensors say nothing new, in sum.
-    pub(crate) fn silence(&self) -> Span {
-        let silent = self.0.iter().filter_map(|mishap| match mishap {
-            Mishap::SensorsSilent { from, until } => Some(until.since(*from).get()),
+    /// What something draws then that nobody planned.
+    pub(crate) fn leak(&self, at: Time) -> Milliwatts {
+        let loads = self.0.iter().filter_map(|mishap| match mishap {
+            Mishap::Drain { from, until, load } if *from <= at && at < *until => Some(*load),
             _ => None,
         });
-        Span::new(silent.sum())
+        loads.fold(Milliwatts::ZERO, Milliwatts::saturating_add)
     }
-}
-
-fn later(at: Time, ms: u64) -> Time {
-    at.after(Span::new(i64::try_from(ms).unwrap_or(0)))
 }

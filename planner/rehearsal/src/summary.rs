@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use faregate_planner::plan::{Kind, Outcome};
 use faregate_planner::state::Mode;
-use faregate_planner::trace::{Cause, Happened, Trace};
+use faregate_planner::trace::{Cause, Happened, Trace, Unstarted};
 use faregate_planner::units::{Span, Time};
 use faregate_planner::{ActivityId, Plan};
 use serde::{Deserialize, Serialize};
@@ -22,6 +22,8 @@ pub struct Summary {
     pub aborted: BTreeMap<Cause, u64>,
     /// Activities that never started.
     pub not_started: u64,
+    /// Of these, those that were vetoed.
+    pub vetoed: u64,
     /// Cleanups that were started.
     pub cleanups: u64,
     /// Starts before the planned one.
@@ -30,6 +32,10 @@ pub struct Summary {
     pub paused: u64,
     /// Plans that were made, the first one not counted.
     pub replans: u64,
+    /// Next plans that took over.
+    pub handovers: u64,
+    /// Next plans that could not: the plan went on.
+    pub went_on: u64,
     /// How long the computer was up.
     pub awake_ms: i64,
     /// What was drawn beside the base load, in uJ.
@@ -58,13 +64,11 @@ impl Summary {
     #[must_use]
     pub fn of(plan: &Plan, trace: &Trace) -> Self {
         let mut summary = Self { executions: 1, ..Self::default() };
-        let cleanups: BTreeSet<_> = plan
-            .activities
-            .iter()
-            .filter(|activity| activity.kind == Kind::Cleanup)
-            .map(|activity| activity.id)
-            .collect();
+        let mut cleanups = cleanups(plan);
         for entry in &trace.entries {
+            if let Happened::HandedOver(next) = &entry.what {
+                cleanups = self::cleanups(next);
+            }
             summary.count(&entry.what, &cleanups);
         }
         summary.replans = summary.replans.saturating_sub(1);
@@ -83,11 +87,40 @@ impl Summary {
             Happened::Ended { outcome: Outcome::Succeeded, .. } => self.succeeded += 1,
             Happened::Ended { .. } => self.failed += 1,
             Happened::Aborted { cause, .. } => *self.aborted.entry(*cause).or_default() += 1,
-            Happened::NotStarted { .. } => self.not_started += 1,
+            Happened::NotStarted { why, .. } => {
+                self.not_started += 1;
+                self.vetoed += u64::from(*why == Unstarted::Vetoed);
+            }
+            Happened::HandedOver(_) => self.handovers += 1,
+            Happened::NoNextPlan(_) => self.went_on += 1,
             Happened::Paused(_) => self.paused += 1,
             Happened::Truth(truth) => self.charge_uj = truth.charge.get(),
             _ => {}
         }
+    }
+
+    /// What a campaign is for and never came up in it, in words: it shows nothing
+    /// about that.
+    #[must_use]
+    pub fn never(&self) -> Vec<&'static str> {
+        let aborts = |cause| self.aborted.get(&cause).copied().unwrap_or(0);
+        let counts = [
+            (self.succeeded, "success"),
+            (self.failed, "failure"),
+            (aborts(Cause::Cutoff), "abort at the cutoff"),
+            (aborts(Cause::HardLimit), "abort at the hard limit"),
+            (aborts(Cause::SoftLimit), "abort below the soft limit"),
+            (aborts(Cause::Duration), "abort past its duration"),
+            (aborts(Cause::TicketsTaken), "abort for want of tickets"),
+            (aborts(Cause::ChargeUnknown), "abort while the charge was not known"),
+            (self.cleanups, "cleanup"),
+            (self.early_starts, "early start"),
+            (self.paused, "pause"),
+            (self.vetoed, "veto"),
+            (self.handovers, "handover"),
+            (self.went_on, "next plan that is not there"),
+        ];
+        counts.into_iter().filter(|(count, _)| *count == 0).map(|(_, name)| name).collect()
     }
 
     /// Adds another one.
@@ -99,6 +132,9 @@ impl Summary {
             *self.aborted.entry(*cause).or_default() += count;
         }
         self.not_started += other.not_started;
+        self.vetoed += other.vetoed;
+        self.handovers += other.handovers;
+        self.went_on += other.went_on;
         self.cleanups += other.cleanups;
         self.early_starts += other.early_starts;
         self.paused += other.paused;
@@ -107,6 +143,11 @@ impl Summary {
         self.drawn_uj = self.drawn_uj.saturating_add(other.drawn_uj);
         self.charge_uj = self.charge_uj.saturating_add(other.charge_uj);
     }
+}
+
+fn cleanups(plan: &Plan) -> BTreeSet<ActivityId> {
+    let all = plan.activities.iter().filter(|activity| activity.kind == Kind::Cleanup);
+    all.map(|activity| activity.id).collect()
 }
 
 impl Won {

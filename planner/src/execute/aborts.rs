@@ -34,6 +34,8 @@ impl Control {
             Some(Cause::Ordered)
         } else if draws && self.is_below(self.parameters.hard_min_soc) {
             Some(Cause::HardLimit)
+        } else if draws && self.blind.is_some() {
+            Some(Cause::ChargeUnknown)
         } else if optional && draws && self.below_soft >= self.parameters.soft_samples.max(1) {
             Some(Cause::SoftLimit)
         } else if optional && runs && now >= self.patience(activity, running) {

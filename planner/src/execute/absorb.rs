@@ -63,6 +63,7 @@ impl Control {
             }
         }
         self.timed = timed;
+        self.is_untimed = false;
         self.planned_at = self.now();
         self.wished.clear();
         self.freed |= std::mem::take(&mut self.tries_again);
@@ -122,6 +123,7 @@ impl Control {
         }
         // What the charge and the zones are is known again.
         if mode == Mode::Awake {
+            self.looks_around = true;
             self.wish(Why::Periodic);
         }
     }

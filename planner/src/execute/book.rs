@@ -150,6 +150,9 @@ impl Control {
 
     pub(super) fn estimated(&mut self, charge: Microjoules) {
         self.state.charge = charge.min(self.state.capacity);
+        self.estimated_at = self.state.now;
+        self.blind = None;
+        self.looks_around = false;
         let is_below = self.is_below(self.parameters.soft_min_soc);
         self.below_soft = if is_below { self.below_soft.saturating_add(1) } else { 0 };
         if !is_below {

@@ -66,12 +66,20 @@ impl Control {
             .any(|window| window.awake && window.start <= now && now < window.end);
         window
             || !self.state.running.is_empty()
-            || !self.spent && (self.is_planned_up() || self.waits_a_little() || self.naps())
+            || !self.spent && (self.is_timed_up() || self.waits_a_little() || self.naps())
+    }
+
+    /// A plan that took over has to be timed first, and nobody does so in sleep.
+    fn is_timed_up(&self) -> bool {
+        self.is_untimed && self.may_look_again(self.state.now) || self.is_planned_up()
     }
 
     fn is_planned_up(&self) -> bool {
         let now = self.state.now;
-        self.timed.awake.iter().any(|phase| phase.wakeup <= now && now < phase.down)
+        let mut phases = self.timed.awake.iter();
+        phases.any(|phase| {
+            phase.wakeup <= now && now < phase.down && self.may_look_again(phase.wakeup)
+        })
     }
 
     /// What is due waits for a device that is still made safe.
@@ -79,12 +87,14 @@ impl Control {
         let tolerance = self.parameters.handover_tolerance;
         let is_close =
             |start: Time| start <= self.state.now && self.state.now.since(start) <= tolerance;
-        self.state.mode == Mode::Awake && self.planned.values().any(|slot| is_close(slot.start))
+        self.state.mode == Mode::Awake
+            && self.blind.is_none()
+            && self.planned.values().any(|slot| is_close(slot.start))
     }
 
     /// A sleep that would be too short is not begun: it was not planned to be.
     fn naps(&self) -> bool {
-        if self.state.mode != Mode::Awake {
+        if self.state.mode != Mode::Awake || self.blind.is_some() {
             return false;
         }
         let asleep = self.state.now.after(self.parameters.shutdown.duration);
@@ -96,11 +106,15 @@ impl Control {
     /// A heater is on while it is planned to be, and while what is due waits for
     /// its zone.
     pub(super) fn heat(&mut self) {
+        if self.is_untimed {
+            // Nobody has said yet what is to be heated: it stays as it is.
+            return;
+        }
         let zones: Vec<_> = self.parameters.zones.iter().map(|zone| zone.name.clone()).collect();
         for zone in zones {
             let on = self.state.heating.contains_key(&zone);
-            let wanted =
-                self.state.mode == Mode::Awake && !self.spent && self.is_to_be_heated(&zone);
+            let can = self.state.mode == Mode::Awake && !self.spent && self.blind.is_none();
+            let wanted = can && self.is_to_be_heated(&zone);
             if on == wanted {
                 continue;
             }

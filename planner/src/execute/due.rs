@@ -18,6 +18,8 @@ impl Control {
         instants
             .extend(self.planned_at.get().checked_add(self.options.period.get()).map(Time::new));
         instants.push(self.looked_at_again());
+        instants.push(self.charge_is_known_until());
+        instants.extend(self.looks_again_from());
         self.of_activities(&mut instants);
         self.of_running(&mut instants);
         self.of_computer(&mut instants);

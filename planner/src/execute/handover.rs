@@ -36,6 +36,7 @@ impl Control {
         if self.plan.next_plan.is_some() {
             self.next_plan = NextPlan::Expected;
         }
+        self.is_untimed = true;
         self.actions.push(Action::HandedOver);
         self.wish(Why::HandOver);
     }

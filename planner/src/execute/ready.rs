@@ -29,6 +29,8 @@ pub enum NotReady {
     Limit(Limit),
     /// The charge has not recovered from the hard limit.
     Spent,
+    /// The charge was not estimated for too long.
+    ChargeUnknown,
 }
 
 /// What is known when something may start. Who executes a plan asks it, whether
@@ -50,6 +52,9 @@ pub(crate) struct Look<'a> {
 impl Control {
     /// Whether an activity can start now, and when it would end.
     pub(super) fn ready(&self, id: ActivityId, slot: Slot, early: bool) -> Result<Slot, NotReady> {
+        if !self.charge_is_known() {
+            return Err(NotReady::ChargeUnknown);
+        }
         let look = Look {
             plan: &self.plan,
             parameters: &self.parameters,

@@ -18,10 +18,14 @@ impl Control {
         if self.now().since(self.planned_at) >= self.options.period {
             self.wish(Why::Periodic);
         }
-        if !self.options.replans {
+        // A plan that took over is timed once, also by who does not plan again.
+        if !self.options.replans && !self.is_untimed {
             return self.wishes.clear();
         }
-        if self.state.mode == Mode::Awake && !self.wishes.is_empty() {
+        // Who has just come up plans with what it finds, and not with what it knew.
+        let knows = !self.looks_around && self.blind.is_none();
+        let can = self.state.mode == Mode::Awake && knows;
+        if can && !self.wishes.is_empty() {
             let wishes: Vec<_> = std::mem::take(&mut self.wishes).into_iter().collect();
             self.planned_at = self.now();
             self.tries_again |= wishes.iter().any(|why| is_gap(*why));

@@ -136,6 +136,7 @@ const fn because(cause: Cause) -> &'static str {
         Cause::HardLimit => "aborted: hard limit of charge",
         Cause::SoftLimit => "aborted: optional, below the soft minimum",
         Cause::Duration => "aborted: optional, past its duration",
+        Cause::ChargeUnknown => "aborted: nobody knew the charge",
         Cause::TicketsTaken => "aborted: its tickets were taken",
         Cause::Ordered => "aborted: ordered",
     }

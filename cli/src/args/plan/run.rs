@@ -8,14 +8,20 @@ use clap::{Args, ValueEnum};
 #[command(after_help = RUN_HELP)]
 pub(crate) struct PlanRunArgs {
     /// The plan: .xml, or its binary form.
-    #[arg(value_name = "PLAN")]
-    pub(crate) plan: PathBuf,
+    #[arg(value_name = "PLAN", required_unless_present = "random")]
+    pub(crate) plan: Option<PathBuf>,
     /// What only the ground changes: limits, powers, preheat tables.
-    #[arg(long, short, value_name = "FILE")]
-    pub(crate) parameters: PathBuf,
+    #[arg(long, short, value_name = "FILE", required_unless_present = "random")]
+    pub(crate) parameters: Option<PathBuf>,
     /// What is so at the begin: charge, mode, communication windows.
-    #[arg(long, short, value_name = "FILE")]
-    pub(crate) state: PathBuf,
+    #[arg(long, short, value_name = "FILE", required_unless_present = "random")]
+    pub(crate) state: Option<PathBuf>,
+    /// Plan, parameters and state are drawn from the seed, and so is what goes
+    /// wrong. With a campaign, each seed is another plan, and it fails also when
+    /// some kind of abort, a cleanup, an early start, a pause, a veto or a
+    /// handover never came up.
+    #[arg(long, conflicts_with_all = ["plan", "parameters", "state", "faults", "next"])]
+    pub(crate) random: bool,
     /// What activities really take and the noise of the sensors are drawn from
     /// it; of a campaign, the first one.
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -35,7 +41,7 @@ pub(crate) struct PlanRunArgs {
     pub(crate) svg: Option<PathBuf>,
     /// Executes the plan so many times, with a seed each, on bad days: what
     /// goes wrong is drawn, too. Prints the sums.
-    #[arg(long, value_name = "EXECUTIONS")]
+    #[arg(long, value_name = "EXECUTIONS", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) campaign: Option<u64>,
     /// How the result is printed: a line for each change, or a document.
     #[arg(long, value_enum, default_value_t)]
@@ -60,11 +66,14 @@ Faults, with instants in milliseconds as everywhere in timed plans:
 
 Exit codes:
   0  executed, and no rule was broken
-  1  a file cannot be read or has mistakes, or a rule was broken
+  1  a file cannot be read or has mistakes, a rule was broken, or what a random
+     campaign is for never came up
   2  wrong usage
 
-Example:
-  faregate plan run sol.xml -p parameters.xml -s state.xml --svg happened.svg"#;
+Examples:
+  faregate plan run sol.xml -p parameters.xml -s state.xml --svg happened.svg
+  faregate plan run --random --campaign 1000
+  faregate plan run --random --seed 77"#;
 
 /// How an execution is printed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]

@@ -4,7 +4,7 @@ use anstyle::Style;
 use faregate_planner::plan::{Kind, Outcome};
 use faregate_planner::state::Mode;
 use faregate_planner::trace::{Cause, Entry, Happened, Unstarted, Why};
-use faregate_planner::words::{Words, bytes};
+use faregate_planner::words::{Words, bytes, energy as energy_of, power};
 use faregate_planner::{ActivityId, Parameters, Plan};
 
 use crate::out::{self, BAD, FAINT, GOOD, ODD};
@@ -73,7 +73,16 @@ impl<'a> Lines<'a> {
                 (plain, format!("{name} is {value}"))
             }
             Happened::Variable { name, value: None } => (plain, format!("{name} is unknown")),
-            Happened::HandedOver => (plain, "the next plan takes over".to_owned()),
+            Happened::HandedOver(_) => (plain, "the next plan takes over".to_owned()),
+            Happened::Leak(load) if load.is_zero() => (ODD, "the leak is over".to_owned()),
+            Happened::Leak(load) => {
+                let load = power(i64::try_from(load.get()).unwrap_or(i64::MAX));
+                (ODD, format!("something draws {load} that nobody planned"))
+            }
+            Happened::Lost(energy) => {
+                let energy = i64::try_from(energy.get()).unwrap_or(i64::MAX);
+                (ODD, format!("the battery has lost {}", energy_of(energy)))
+            }
             Happened::NoNextPlan(why) => (ODD, format!("this plan goes on: {why}")),
             Happened::Requested(_)
             | Happened::Pushed { .. }
@@ -115,6 +124,7 @@ pub(super) const fn because(cause: Cause) -> &'static str {
         Cause::HardLimit => "the charge is at the hard limit",
         Cause::SoftLimit => "it is optional, and the charge is below the soft limit",
         Cause::Duration => "it is optional, and past its duration",
+        Cause::ChargeUnknown => "nobody knew the charge any more",
         Cause::TicketsTaken => "its tickets were taken",
         Cause::Ordered => "it was ordered to stop",
     }

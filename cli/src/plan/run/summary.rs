@@ -11,11 +11,12 @@ use super::lines::because;
 use crate::out::{self, BAD, GOOD};
 
 /// The four causes of the slides first.
-const CAUSES: [Cause; 6] = [
+const CAUSES: [Cause; 7] = [
     Cause::Cutoff,
     Cause::HardLimit,
     Cause::SoftLimit,
     Cause::Duration,
+    Cause::ChargeUnknown,
     Cause::TicketsTaken,
     Cause::Ordered,
 ];
@@ -62,11 +63,15 @@ pub(super) fn table(here: &Summary, there: Option<&Summary>) -> io::Result<()> {
         let of = move |one: &Summary| one.aborted.get(&cause).copied().unwrap_or(0).to_string();
         row(format!("aborted: {}", because(cause)), &of);
     }
+    row("completed: succeeded or failed".into(), &|one| (one.succeeded + one.failed).to_string());
     row("not started".into(), &|one| one.not_started.to_string());
+    row("not started: vetoed".into(), &|one| one.vetoed.to_string());
     row("cleanups".into(), &|one| one.cleanups.to_string());
     row("early starts".into(), &|one| one.early_starts.to_string());
     row("pauses".into(), &|one| one.paused.to_string());
     row("new plans".into(), &|one| one.replans.to_string());
+    row("handovers".into(), &|one| one.handovers.to_string());
+    row("handovers without a next plan".into(), &|one| one.went_on.to_string());
     let each = |one: &Summary| i64::try_from(one.executions.max(1)).unwrap_or(1);
     row("computer up".into(), &|one| minutes(one.awake_ms / each(one)));
     row("drawn beside the base load".into(), &|one| {

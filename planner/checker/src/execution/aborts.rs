@@ -11,6 +11,7 @@ impl Walk<'_> {
     /// An estimate of the charge: those below the soft limit are counted.
     pub(super) fn estimate(&mut self, charge: i128) {
         self.estimates.push(charge);
+        self.estimated_at = self.now;
         let below = self.estimated_below(self.parameters.soft_min_soc, true);
         self.below_soft = if below { self.below_soft + 1 } else { 0 };
     }
@@ -43,6 +44,10 @@ impl Walk<'_> {
                 };
                 optional && self.now >= runs.ends + grace
             }
+            Cause::ChargeUnknown => self
+                .trace
+                .charge_holds
+                .is_some_and(|holds| self.now >= self.estimated_at.saturating_add(holds.get())),
             Cause::TicketsTaken => !self.activity(id).is_some_and(|activity| activity.pausable),
             Cause::Ordered => true,
         }

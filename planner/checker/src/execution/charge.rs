@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use faregate_planner::plan::ActivityId;
+use faregate_planner::plan::{Activity, ActivityId};
 use faregate_planner::trace::{Happened, Trace};
 use faregate_planner::units::Ppm;
 use faregate_planner::{Parameters, Plan};
@@ -26,10 +26,7 @@ pub(super) fn check(plan: &Plan, parameters: &Parameters, trace: &Trace) -> Vec<
     let soft = told_below(trace, least(parameters.soft_min_soc), parameters.soft_samples.max(1));
     let truly = truly_below(trace, least(parameters.hard_min_soc));
     let mut wrong = Vec::new();
-    for (id, from, to) in worked(trace) {
-        let Some(activity) = plan.activities.iter().find(|activity| activity.id == id) else {
-            continue;
-        };
+    for Worked { id, activity, from, to } in worked(plan, trace) {
         if activity.marginal.is_zero() {
             continue;
         }
@@ -50,10 +47,18 @@ pub(super) fn check(plan: &Plan, parameters: &Parameters, trace: &Trace) -> Vec<
     wrong
 }
 
-/// When each activity ran, without the times at which it was paused.
-fn worked(trace: &Trace) -> Vec<(ActivityId, i64, i64)> {
+/// A time in which an activity ran, and was not paused.
+struct Worked<'a> {
+    id: ActivityId,
+    activity: &'a Activity,
+    from: i64,
+    to: i64,
+}
+
+fn worked<'a>(plan: &'a Plan, trace: &'a Trace) -> Vec<Worked<'a>> {
+    let mut plan = plan;
     let mut since: BTreeMap<ActivityId, i64> = BTreeMap::new();
-    let mut all = Vec::new();
+    let mut all: Vec<(&Plan, ActivityId, i64, i64)> = Vec::new();
     if let Some(Happened::Planned { state, .. }) = trace.entries.first().map(|e| &e.what) {
         let running = state.running.iter().filter(|running| running.paused.is_none());
         since.extend(running.map(|running| (running.id, state.now.get())));
@@ -68,14 +73,20 @@ fn worked(trace: &Trace) -> Vec<(ActivityId, i64, i64)> {
                 since.insert(*id, at);
             }
             Happened::Ended { id, .. } | Happened::Aborted { id, .. } | Happened::Paused(id) => {
-                all.extend(since.remove(id).map(|from| (*id, from, at)));
+                all.extend(since.remove(id).map(|from| (plan, *id, from, at)));
             }
+            // It has the definitions of what runs.
+            Happened::HandedOver(next) => plan = next,
             _ => {}
         }
     }
     let end = trace.end.get();
-    all.extend(since.into_iter().map(|(id, from)| (id, from, end)));
-    all
+    all.extend(since.into_iter().map(|(id, from)| (plan, id, from, end)));
+    let known = all.into_iter().filter_map(|(plan, id, from, to)| {
+        let activity = plan.activities.iter().find(|activity| activity.id == id)?;
+        Some(Worked { id, activity, from, to })
+    });
+    known.collect()
 }
 
 /// From when to when the last `samples` estimates were below `least`.

@@ -9,6 +9,7 @@ use crate::violation::{Rule, Violation};
 use crate::{Effort, check as check_plan};
 
 pub(super) fn check(plan: &Plan, parameters: &Parameters, trace: &Trace) -> Vec<Violation> {
+    let mut plan = plan;
     let mut incumbent: Option<TimedPlan> = None;
     let mut wrong = Vec::new();
     for entry in &trace.entries {
@@ -26,8 +27,8 @@ pub(super) fn check(plan: &Plan, parameters: &Parameters, trace: &Trace) -> Vec<
                 incumbent = Some(TimedPlan::clone(timed));
             }
             Happened::Pushed { id, slot } => push(incumbent.as_mut(), *id, *slot),
-            // What comes now is another plan's.
-            Happened::HandedOver => break,
+            // What comes now is another plan's: nothing of it is committed.
+            Happened::HandedOver(next) => (plan, incumbent) = (next, None),
             _ => {}
         }
     }
