@@ -17,7 +17,7 @@ use rustix::io::Errno;
 use crate::executive::{PortNotice, Waker};
 use crate::manager::Attempt;
 use crate::port::connection::{Connection, Received, WhyClosed, pair};
-use crate::port::worker::{Job, Line, Tools, over, work};
+use crate::port::worker::{Errand, Line, Tools, over, work};
 use crate::port::{MAX_CONNECTIONS, MAX_QUEUED};
 
 /// What the manager's thread wants of this one.
@@ -43,7 +43,7 @@ pub(super) struct Reader {
 struct Port {
     line: Arc<Line>,
     /// To its worker, which it has from its first command on.
-    jobs: Option<Sender<Job>>,
+    errands: Option<Sender<Errand>>,
     connections: usize,
 }
 
@@ -105,7 +105,7 @@ impl Reader {
             match order {
                 Order::Open(line, connection) => {
                     let attempt = line.attempt;
-                    self.attempts.insert(attempt, Port { line, jobs: None, connections: 0 });
+                    self.attempts.insert(attempt, Port { line, errands: None, connections: 0 });
                     self.add(attempt, connection);
                 }
                 Order::Tell(attempt, notice) => self.tell(attempt, notice),
@@ -206,7 +206,7 @@ impl Reader {
             Ask::Command { gate, command, arguments } => {
                 let from = Arc::clone(&known.connection);
                 let attempt = known.attempt;
-                self.issue(attempt, Job { from, id, gate, command, arguments });
+                self.issue(attempt, Errand { from, id, gate, command, arguments });
             }
         }
     }
@@ -231,36 +231,36 @@ impl Reader {
         }
     }
 
-    fn issue(&mut self, attempt: Attempt, job: Job) {
+    fn issue(&mut self, attempt: Attempt, errand: Errand) {
         let Some(port) = self.attempts.get_mut(&attempt) else {
-            return job.from.answer(job.id, Answer::Refused(over(attempt)));
+            return errand.from.answer(errand.id, Answer::Refused(over(attempt)));
         };
-        if port.jobs.is_none() {
-            port.jobs = hire(&port.line, &self.tools);
+        if port.errands.is_none() {
+            port.errands = hire(&port.line, &self.tools);
         }
-        let refused = match &port.jobs {
-            None => (job, "the manager has no thread left for the task's commands".into()),
-            Some(jobs) => match jobs.try_send(job) {
+        let refused = match &port.errands {
+            None => (errand, "the manager has no thread left for the task's commands".into()),
+            Some(errands) => match errands.try_send(errand) {
                 Ok(()) => return,
-                Err(TrySendError::Full(job) | TrySendError::Disconnected(job)) => {
-                    (job, format!("{MAX_QUEUED} commands of the task wait already"))
+                Err(TrySendError::Full(errand) | TrySendError::Disconnected(errand)) => {
+                    (errand, format!("{MAX_QUEUED} commands of the task wait already"))
                 }
             },
         };
         self.tools.counts.refused.fetch_add(1, Ordering::Relaxed);
-        let (job, why) = refused;
-        job.from.answer(job.id, busy(why));
+        let (errand, why) = refused;
+        errand.from.answer(errand.id, busy(why));
     }
 }
 
 /// A thread for the commands of an attempt. It ends with the attempt, once the
 /// command that it is at has ended.
-fn hire(line: &Arc<Line>, tools: &Arc<Tools>) -> Option<Sender<Job>> {
-    let (jobs, received) = bounded(MAX_QUEUED);
+fn hire(line: &Arc<Line>, tools: &Arc<Tools>) -> Option<Sender<Errand>> {
+    let (errands, received) = bounded(MAX_QUEUED);
     let (line, tools) = (Arc::clone(line), Arc::clone(tools));
     let thread = std::thread::Builder::new().name("faregate-command".into());
     let hired = thread.spawn(move || work(&line, &received, &tools));
-    hired.is_ok().then_some(jobs)
+    hired.is_ok().then_some(errands)
 }
 
 fn busy(why: String) -> Answer {

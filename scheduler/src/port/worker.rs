@@ -37,7 +37,7 @@ impl Line {
 }
 
 /// A command to be issued, and whom to answer.
-pub(super) struct Job {
+pub(super) struct Errand {
     pub(super) from: Arc<Connection>,
     pub(super) id: Option<Id>,
     pub(super) gate: String,
@@ -52,14 +52,14 @@ pub(super) struct Tools {
     pub(super) counts: Arc<Counting>,
 }
 
-/// Until there are no more jobs and nobody can send any.
-pub(super) fn work(line: &Line, jobs: &Receiver<Job>, tools: &Tools) {
-    for job in jobs {
-        let outcome = issue(line, &job, tools);
+/// Until there are no more errands and nobody can send any.
+pub(super) fn work(line: &Line, errands: &Receiver<Errand>, tools: &Tools) {
+    for errand in errands {
+        let outcome = issue(line, &errand, tools);
         let count = if outcome.is_ok() { &tools.counts.done } else { &tools.counts.refused };
         count.fetch_add(1, Relaxed);
-        job.from.answer(
-            job.id,
+        errand.from.answer(
+            errand.id,
             match outcome {
                 Ok(reply) => Answer::Done { reply },
                 Err(why) => Answer::Refused(why),
@@ -68,16 +68,16 @@ pub(super) fn work(line: &Line, jobs: &Receiver<Job>, tools: &Tools) {
     }
 }
 
-fn issue(line: &Line, job: &Job, tools: &Tools) -> Result<String, Refused> {
+fn issue(line: &Line, errand: &Errand, tools: &Tools) -> Result<String, Refused> {
     let Some(inside) = line.entrance.enter() else { return Err(over(line.attempt)) };
     let outcome = catch_unwind(AssertUnwindSafe(|| {
-        tools.commands.command(line.attempt, &job.gate, &job.command, &job.arguments)
+        tools.commands.command(line.attempt, &errand.gate, &errand.command, &errand.arguments)
     }));
     if inside.leave() == Quiet::Now {
         tools.manager.wake();
     }
-    let reply = outcome.unwrap_or_else(|_| Err(panicked(&job.gate))).map_err(told)?;
-    line.commanded.lock().insert(job.gate.clone());
+    let reply = outcome.unwrap_or_else(|_| Err(panicked(&errand.gate))).map_err(told)?;
+    line.commanded.lock().insert(errand.gate.clone());
     Ok(reply)
 }
 
