@@ -98,9 +98,8 @@ impl Rest<'_> {
 pub(crate) fn keeps(problem: &Problem, (placed, world): (&Placed, &World), other: &World) -> bool {
     let heats = placed.zones.iter().flat_map(|zone| zone.heats.iter().flatten());
     let mut ends = heats.map(|heat| (heat.from, heat.to)).filter(|(from, to)| from < to);
-    let blocked = ends.any(|(from, to)| {
-        problem.blocks.iter().any(|block| from < block.to && block.from < to)
-    });
+    let blocked = ends
+        .any(|(from, to)| problem.blocks.iter().any(|block| from < block.to && block.from < to));
     if blocked || world.late.iter().any(|&late| !other.has(late)) {
         return false;
     }

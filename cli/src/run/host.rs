@@ -126,15 +126,16 @@ fn count(executive: &mut Onboard<Ground>, note: &Note) {
     tally.count(note);
 }
 
-/// Says what the spacecraft has to say, and closes the journal in order.
+/// Closes the journal in order, and says what the spacecraft has to say: that
+/// may wait for whoever reads it.
 fn end(executive: Onboard<Ground>) -> Result<Teller, Failure> {
     let (_bodies, _tickets, kept, ground) = executive.into_ports();
     let Ground { mut teller, craft, .. } = ground;
-    teller.wait_again();
-    craft.report().iter().for_each(|line| teller.say(line));
     if let Kept::Journal(journal) = kept {
         journal.close().map_err(|error| Failure::failed(error.to_string()))?;
     }
+    teller.wait_again();
+    craft.report().iter().for_each(|line| teller.say(line));
     craft.lost().map_or(Ok(teller), |why| Err(Failure::failed(why)))
 }
 

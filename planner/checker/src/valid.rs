@@ -70,7 +70,11 @@ pub(crate) fn beside(
     all
 }
 
-pub(crate) fn soft_minimum(scene: &Scene<'_>, without: &World<'_>, with: &World<'_>) -> Option<Broken> {
+pub(crate) fn soft_minimum(
+    scene: &Scene<'_>,
+    without: &World<'_>,
+    with: &World<'_>,
+) -> Option<Broken> {
     let least = scene.at_least(scene.parameters.soft_min_soc);
     let below = with.charge.first_below(least, Some(&without.charge), (scene.now, scene.end));
     below.map(|(at, by)| Broken::of(Limit::SoftMinimum, at, by))

@@ -23,8 +23,10 @@ struct Planner {
 }
 
 /// The planner.
-const RIGHT: Planner =
-    Planner { schedule, improve: |problem, old, budget| improve(problem, old, budget, &mut || false) };
+const RIGHT: Planner = Planner {
+    schedule,
+    improve: |problem, old, budget| improve(problem, old, budget, &mut || false),
+};
 
 /// What a property says of a seed: whether it had anything to say, or how it
 /// does not hold.

@@ -57,7 +57,10 @@ fn planning_again_answers_what_trying_every_start_answers() {
         let slow = reference(plan, parameters, state, Some(&case.incumbent));
         let fast = schedule(&case.problem, Some(&case.incumbent));
         if bare(&fast) != bare(&slow) {
-            println!("seed {seed}: {}", difference(&case.world, Some(&case.incumbent), &fast, &slow));
+            println!(
+                "seed {seed}: {}",
+                difference(&case.world, Some(&case.incumbent), &fast, &slow)
+            );
             wrong.push(seed);
         }
         commits += usize::from(committed(&case) > 0);
@@ -67,7 +70,9 @@ fn planning_again_answers_what_trying_every_start_answers() {
         let anew = schedule(&case.problem, None);
         forgetful += usize::from(bare(&anew) != bare(&slow));
     }
-    println!("{count} plans made again: {commits} with something in the commit window, {kept} kept");
+    println!(
+        "{count} plans made again: {commits} with something in the commit window, {kept} kept"
+    );
     println!("the incumbent makes a difference in {forgetful}");
     assert_eq!(wrong, [0; 0]);
     assert!(commits * 10 > count as usize && kept > 2, "{commits} {kept}");

@@ -2,9 +2,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use faregate_planner::schedule::{
-    Budget, Improved, Worth, improve, schedule, schedule_in_order,
-};
+use faregate_planner::schedule::{Budget, Improved, Worth, improve, schedule, schedule_in_order};
 use faregate_planner::{Problem, TimedPlan};
 
 use super::{Planner, RIGHT};
