@@ -15,12 +15,35 @@ pub fn render(found: &[Diagnostic], bytes: &[u8], colour: bool) -> String {
     let source = Source::from(text.shown.as_str());
     let mut all = Vec::new();
     for one in found {
+        if text.longest_of(one) > LONGEST_SHOWN {
+            all.extend(without_its_line(one).into_bytes());
+            continue;
+        }
         let report = report(one, &text, colour);
         // Writing into memory cannot fail.
         let _ = report.write((one.file.as_str(), &source), &mut all);
         all.push(b'\n');
     }
     String::from_utf8_lossy(&all).into_owned()
+}
+
+/// A longer line is not shown: what is one enormous line is seldom what somebody
+/// wrote, and shown it would be megabytes for each mistake in it.
+const LONGEST_SHOWN: usize = 4_000;
+
+fn without_its_line(one: &Diagnostic) -> String {
+    let kind = match one.severity {
+        Severity::Error => "Error",
+        Severity::Warning => "Warning",
+    };
+    let Place { line, column, .. } = one.place;
+    let (rule, message, wanted) = (one.rule.name(), &one.message, expectation(one));
+    let help = one.help.as_ref().map(|help| format!("   Help: {help}\n")).unwrap_or_default();
+    format!(
+        "[{rule}] {kind}: {message}\n   {}:{line}:{column} (a line too long to be shown)\n   \
+         {wanted}\n{help}\n",
+        one.file
+    )
 }
 
 type Span<'a> = (&'a str, core::ops::Range<usize>);
@@ -61,6 +84,7 @@ struct Text {
     shown: String,
     /// How many characters stand before each line.
     lines: Vec<usize>,
+    characters: usize,
     plain: String,
 }
 
@@ -70,15 +94,29 @@ impl Text {
         let plain = String::from_utf8_lossy(bytes).into_owned();
         let mut lines = vec![0];
         let mut shown = String::with_capacity(plain.len());
+        let mut count = 0;
         let mut characters = plain.chars().enumerate().peekable();
         while let Some((index, character)) = characters.next() {
+            count = index + 1;
             let next = characters.peek().map(|(_, next)| *next);
             if character == '\n' || (character == '\r' && next != Some('\n')) {
                 lines.push(index + 1);
             }
             shown.push(harmless(character, next));
         }
-        Self { shown, lines, plain }
+        Self { shown, lines, characters: count, plain }
+    }
+
+    /// How many characters the longest of the lines that it is about has.
+    fn longest_of(&self, one: &Diagnostic) -> usize {
+        let places = [Some(&one.place), one.also.as_ref().map(|also| &also.place)];
+        places.into_iter().flatten().map(|place| self.length(place.line)).max().unwrap_or(0)
+    }
+
+    fn length(&self, line: usize) -> usize {
+        let start = |line: usize| self.lines.get(line).copied();
+        let from = start(line.saturating_sub(1)).unwrap_or(0);
+        start(line).unwrap_or(self.characters).saturating_sub(from)
     }
 
     /// The same place, counted in characters.
@@ -119,6 +157,16 @@ mod tests {
     fn the_line_is_shown_with_what_was_expected() {
         let shown = rendered(BAD, false);
         for part in ["a.csv:2:5", "[window]", "1,9,5,3", "et: expected", "not before st"] {
+            assert!(shown.contains(part), "{part} is not in\n{shown}");
+        }
+    }
+
+    #[test]
+    fn a_line_that_nobody_can_read_is_not_shown() {
+        let long = [BAD, &b"x".repeat(1 << 20)].concat();
+        let shown = rendered(&long, false);
+        assert!(shown.len() < 2_000, "{} bytes", shown.len());
+        for part in ["a.csv:2:5", "1,9,5,3", "a.csv:3:1 (a line too long", "id: expected a task"] {
             assert!(shown.contains(part), "{part} is not in\n{shown}");
         }
     }
