@@ -181,13 +181,20 @@ fn find(program: &str) -> Result<PathBuf, String> {
 
 fn check(program: &Path) -> Result<(), String> {
     let shown = program.display();
-    let kind = fs::metadata(program).map_err(|error| format!("{shown}: {error}"))?;
+    let kind =
+        fs::metadata(program).map_err(|error| format!("{shown}: {error}{}", seen(program)))?;
     if !kind.is_file() {
         return Err(format!("{shown} is not a file that can be executed"));
     }
     access(program, Access::EXEC_OK).map_err(|error| {
         format!("{shown}: {}; chmod +x makes it executable", io::Error::from(error))
     })
+}
+
+/// From where a path that does not begin with `/` leads to nothing.
+fn seen(program: &Path) -> String {
+    let from = env::current_dir().ok().filter(|_| program.is_relative());
+    from.map_or_else(String::new, |from| format!("; seen from {}", from.display()))
 }
 
 /// This program's own environment, with what tells the process who it is.

@@ -44,7 +44,10 @@ fn what_cannot_be_executed_says_why_and_what_to_do() {
     let why = not_started(&mut bench, program("no-such-program-here", &[]));
     assert!(why.contains("\"no-such-program-here\" in PATH ("), "{why}");
     let why = not_started(&mut bench, program("/no/such", &[]));
-    assert!(why.contains("/no/such: No such file"), "{why}");
+    assert!(why.contains("/no/such: No such file") && !why.contains("seen from"), "{why}");
+    let why = not_started(&mut bench, program("./no-such", &[]));
+    let here = std::env::current_dir().unwrap();
+    assert!(why.ends_with(&format!("; seen from {}", here.display())), "{why}");
     let why = not_started(&mut bench, program("/tmp", &[]));
     assert!(why.contains("not a file"), "{why}");
     let why = not_started(&mut bench, program("/etc/passwd", &[]));
