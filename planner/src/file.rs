@@ -61,6 +61,10 @@ pub const VERSION: u16 = 1;
 /// What a file can be.
 const ROOTS: &str = "a plan, parameters or a state";
 
+/// The element that each of them is, and what people call it.
+const KINDS: [(&str, &str); 3] =
+    [("plan", "a plan"), ("parameters", "parameters"), ("state", "a state")];
+
 /// What a file has.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Document {
@@ -95,15 +99,38 @@ pub fn read(
     bytes: &[u8],
     parameters: Option<&Parameters>,
 ) -> Result<Loaded<Document>, Vec<Diagnostic>> {
+    read_as(name, bytes, parameters, ROOTS)
+}
+
+/// A file of another kind is not judged any further: what is wrong with it in
+/// this place says nothing.
+fn read_as(
+    name: &str,
+    bytes: &[u8],
+    parameters: Option<&Parameters>,
+    wanted: &str,
+) -> Result<Loaded<Document>, Vec<Diagnostic>> {
     let names = Names::new(parameters);
     if binary::is_binary(bytes) {
         return read_binary(name, bytes, &names);
     }
     let source = Source::new(name, bytes)?;
     let mut report = Report::new(&source);
-    let document = xml::parse(source.text(), &mut report)
-        .and_then(|root| from_element(&root, &names, &mut report));
+    let root = xml::parse(source.text(), &mut report);
+    let is = root.as_ref().and_then(|root| KINDS.iter().find(|(element, _)| *element == root.name));
+    if let Some((root, (_, is))) = root.as_ref().zip(is)
+        && wanted != ROOTS
+        && wanted != *is
+    {
+        report.error(root.at.clone(), "", another(is, wanted));
+        return Err(report.found);
+    }
+    let document = root.and_then(|root| from_element(&root, &names, &mut report));
     finish(document, report.found)
+}
+
+fn another(is: &str, wanted: &str) -> Wrong {
+    Wrong::new(Rule::Format, format!("this is {is}")).expected(wanted)
 }
 
 /// Reads a plan.
@@ -116,7 +143,7 @@ pub fn plan(
     bytes: &[u8],
     parameters: Option<&Parameters>,
 ) -> Result<Loaded<Plan>, Vec<Diagnostic>> {
-    only(name, "a plan", read(name, bytes, parameters)?, |document| match document {
+    only(name, "a plan", read_as(name, bytes, parameters, "a plan")?, |document| match document {
         Document::Plan(plan) => Some(plan),
         _ => None,
     })
@@ -128,7 +155,7 @@ pub fn plan(
 ///
 /// Everything that is wrong with them, and that they are none.
 pub fn parameters(name: &str, bytes: &[u8]) -> Result<Loaded<Parameters>, Vec<Diagnostic>> {
-    only(name, "parameters", read(name, bytes, None)?, |document| match document {
+    only(name, "parameters", read_as(name, bytes, None, "parameters")?, |document| match document {
         Document::Parameters(parameters) => Some(parameters),
         _ => None,
     })
@@ -144,7 +171,7 @@ pub fn state(
     bytes: &[u8],
     parameters: Option<&Parameters>,
 ) -> Result<Loaded<State>, Vec<Diagnostic>> {
-    only(name, "a state", read(name, bytes, parameters)?, |document| match document {
+    only(name, "a state", read_as(name, bytes, parameters, "a state")?, |document| match document {
         Document::State(state) => Some(state),
         _ => None,
     })
@@ -206,10 +233,9 @@ fn only<T>(
 ) -> Result<Loaded<T>, Vec<Diagnostic>> {
     let Loaded { value, warnings } = loaded;
     let is = value.what();
-    pick(value).map(|value| Loaded { value, warnings }).ok_or_else(|| {
-        let wrong = Wrong::new(Rule::Format, format!("this is {is}"));
-        nowhere(name, wrong.expected(wanted))
-    })
+    pick(value)
+        .map(|value| Loaded { value, warnings })
+        .ok_or_else(|| nowhere(name, another(is, wanted)))
 }
 
 /// What is wrong with a file that has no lines.

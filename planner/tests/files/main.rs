@@ -77,6 +77,21 @@ fn a_file_of_another_kind_is_refused_in_either_form() {
 }
 
 #[test]
+fn a_file_in_the_place_of_another_is_told_and_not_judged() {
+    // Without parameters the state's names would be unknown, which is not what
+    // is wrong.
+    for (text, is) in [(STATE, "a state"), (PLAN, "a plan")] {
+        let found = file::parameters("x.xml", text.as_bytes()).unwrap_err();
+        let told: Vec<_> = found.iter().map(ToString::to_string).collect();
+        let expected = format!("this is {is}; expected parameters");
+        assert!(told.len() == 1 && told[0].contains(&expected), "{told:?}");
+    }
+    let names = parameters();
+    let found = file::state("x.xml", PLAN.as_bytes(), Some(&names)).unwrap_err();
+    assert!(found[0].to_string().contains("this is a plan; expected a state"), "{found:?}");
+}
+
+#[test]
 fn compact_files_are_judged_as_xml_is() {
     let names = parameters();
     let mut late = plan();

@@ -52,6 +52,20 @@ fn what_cannot_be_read_is_told_all_at_once_with_line_and_column() {
 }
 
 #[test]
+fn one_mistake_is_one_message() {
+    let names = parameters();
+    for (from, to, expected) in [
+        // Nobody has the number that stands in for it.
+        ("id=\"2\" name", "id=\"0\" name", "16:17 !range"),
+        // Nobody knows whether that type has a minimum.
+        ("type=\"expanding\"", "type=\"expand\"", "16:39 !unknown"),
+    ] {
+        let text = with(PLAN, &[(from, to)]);
+        assert_eq!(wrong(&text, Some(&names)), [expected], "{to}");
+    }
+}
+
+#[test]
 fn what_is_no_xml_is_told_with_its_place() {
     let plan = "<plan version=\"1\"";
     for (text, expected) in [

@@ -47,7 +47,12 @@ pub(super) fn activity(fields: &mut Fields<'_, '_, '_, '_>) -> Activity {
 }
 
 fn kind(fields: &mut Fields<'_, '_, '_, '_>) -> Kind {
-    let of = fields.or("type", Type::Generic, |text| words::read(text, &TYPES));
+    let of = match fields.has("type") {
+        true => fields.read("type", |text| words::read(text, &TYPES)),
+        false => Some(Type::Generic),
+    };
+    // What belongs to a type that nobody knows is not judged.
+    let Some(of) = of else { return Kind::Generic };
     let (kind, uses): (_, &[&str]) = match of {
         Type::Generic => (Kind::Generic, &[]),
         Type::StayAwake => (Kind::StayAwake, &[]),

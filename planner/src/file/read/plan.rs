@@ -61,14 +61,12 @@ pub(in crate::file) fn plan<'e>(
         places.all.push(element);
         let mut fields = fields.within(element, &schema::ACTIVITY);
         let read = activity::activity(&mut fields);
-        if let Some(first) = places.known.get(&read.id) {
+        // A number that stands in for one that cannot be read is nobody's.
+        let id = element.attribute("id").and_then(|id| value::activity(&id.value).ok());
+        if let Some(first) = id.and_then(|id| places.known.get(&id)) {
             fields.twice("id", &read.id.to_string(), first.span("id"));
-        } else if fields
-            .element
-            .attribute("id")
-            .is_some_and(|id| value::activity(&id.value).is_ok())
-        {
-            places.known.insert(read.id, element);
+        } else if let Some(id) = id {
+            places.known.insert(id, element);
         }
         if fields.good() {
             plan.activities.push(read);
