@@ -76,6 +76,8 @@ pub struct Manager {
     next_position: u64,
     /// How many tasks there were of each id that was used before.
     loads: BTreeMap<TaskId, u32>,
+    /// These ids and numbers, in the order in which their tasks left.
+    gone: VecDeque<(TaskId, u32)>,
     /// Who waits for an outcome of this task, and which of its dependencies
     /// that is.
     dependants: BTreeMap<TaskId, Vec<(u32, usize)>>,
@@ -153,6 +155,7 @@ impl Manager {
             order: BTreeMap::new(),
             next_position: 0,
             loads: BTreeMap::new(),
+            gone: VecDeque::new(),
             dependants: BTreeMap::new(),
             needed: BTreeMap::new(),
             idle: VecDeque::new(),

@@ -2,6 +2,7 @@
 
 use crate::manager::admit::gone;
 use crate::manager::entry::{Entry, Place};
+use crate::manager::limits::MOST_GONE;
 use crate::manager::step::Step;
 use crate::manager::{Note, Record};
 use crate::task::{Outcome, TaskId};
@@ -109,8 +110,10 @@ impl Step<'_> {
             self.set_timer(index, kind, None);
         }
         for prior in dependencies {
-            if let Some(dependants) = self.manager.dependants.get_mut(&prior) {
-                dependants.retain(|(dependant, _)| *dependant != index);
+            let Some(dependants) = self.manager.dependants.get_mut(&prior) else { continue };
+            dependants.retain(|(dependant, _)| *dependant != index);
+            if dependants.is_empty() {
+                self.manager.dependants.remove(&prior);
             }
         }
         self.manager.classes.leave(class);
@@ -124,9 +127,22 @@ impl Step<'_> {
             self.manager.ended.retain(|ended| *ended != index);
         }
         self.manager.entries.remove(index);
-        self.manager.loads.insert(id, load.saturating_add(1));
+        self.remember_load(id, load.saturating_add(1));
         if !ended {
             self.leave_alone(id);
+        }
+    }
+
+    fn remember_load(&mut self, id: TaskId, load: u32) {
+        let manager = &mut *self.manager;
+        manager.loads.insert(id, load);
+        manager.gone.push_back((id, load));
+        while manager.gone.len() > MOST_GONE
+            && let Some((id, load)) = manager.gone.pop_front()
+        {
+            if manager.loads.get(&id) == Some(&load) {
+                manager.loads.remove(&id);
+            }
         }
     }
 
@@ -139,5 +155,50 @@ impl Step<'_> {
                 self.never_runs(dependant, gone(id));
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::manager::limits::MOST_ENDED;
+    use crate::manager::{Addition, Event, Manager, Telecommand, TelecommandId};
+    use crate::mission::Mission;
+    use crate::task::{Body, Dependency, Status, Task, When, Window};
+    use crate::time::{Now, UnixTime};
+
+    /// Two that are missed at once, of which the second one waits for that, and
+    /// its cleanup.
+    fn three(number: u32) -> Vec<Addition> {
+        let [first, second] = [number, number + 1].map(|id| {
+            let mut task = Task::new(TaskId::new(id).unwrap(), Body::Hold);
+            let closes = When::At(UnixTime::from_secs(1));
+            task.windows = vec![Window { opens: When::At(UnixTime::from_secs(1)), closes }];
+            task
+        });
+        let after = vec![Dependency { task: first.id, status: Status::Missed }];
+        let cleanup = Some(TaskId::new(number + 2).unwrap());
+        let last = Task::new(TaskId::new(number + 2).unwrap(), Body::Hold);
+        let second = Task { after, cleanup, ..second };
+        [first, second, last].map(|task| Addition { task }).to_vec()
+    }
+
+    #[test]
+    fn what_comes_and_goes_for_years_leaves_nothing_behind() {
+        let mut manager = Manager::new(Mission::default());
+        let now = Now { wall: UnixTime::from_secs(1_000_000), ..Now::default() };
+        let mut actions = Vec::new();
+        for number in (1..).step_by(3).take(2 * MOST_GONE / 3) {
+            let telecommand = Telecommand::Add(three(number));
+            let add = Event::Telecommand { id: TelecommandId(0), telecommand };
+            manager.step(now, vec![add], &mut actions);
+            actions.clear();
+        }
+        assert_eq!(manager.status().count(), MOST_ENDED);
+        assert!(manager.dependants.len() <= MOST_ENDED, "{}", manager.dependants.len());
+        assert_eq!((manager.loads.len(), manager.gone.len()), (MOST_GONE, MOST_GONE));
+        assert!(manager.needed.is_empty() && manager.idle.is_empty() && manager.live.is_empty());
+        assert_eq!(manager.by_id.len(), MOST_ENDED);
+        assert!(manager.is_over());
     }
 }

@@ -17,6 +17,11 @@ pub const MOST_ARMED: usize = 64;
 /// status and in the journal. The one that ended first is forgotten first.
 pub const MOST_ENDED: usize = 1_000;
 
+/// Of how many ids that no task has any more it is remembered how often they
+/// were used: news of the last task must not pass for news of the next one.
+/// News is never so late.
+pub const MOST_GONE: usize = 10_000;
+
 /// How far ahead an instant must lie to be prepared for. A sync takes less.
 pub const ARMED_AHEAD: Duration = Duration::from_millis(50);
 
