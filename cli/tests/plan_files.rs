@@ -228,3 +228,28 @@ fn parameters_are_compared_with_the_mission_that_plans_are_executed_on() {
     assert_eq!(said.code, 1);
     assert!(said.err.contains("name their file, too"), "{said:?}");
 }
+
+#[test]
+fn a_plan_is_compared_with_what_its_sequences_command() {
+    let sols = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/sols");
+    let (parameters, rover) = (sols.join("parameters.xml"), sols.join("rover.toml"));
+    let check =
+        |sol: &Path| plan(&["check", text(sol), text(&parameters), "--mission", text(&rover)]);
+    let said = check(&sols.join("busy/plan.xml"));
+    assert_eq!((said.code, said.err.as_str()), (0, ""), "{said:?}");
+    let said = check(&sols.join("conjunction/plan.xml"));
+    assert_eq!(said.code, 1, "the rover's file has the busy sol's sequences alone");
+    assert!(said.err.contains("no sequence `health` is known"), "{said:?}");
+    // The evening's weather at noon, by the same instrument.
+    let busy = fs::read_to_string(sols.join("busy/plan.xml")).unwrap();
+    let evening = "<start from=\"19:00\" to=\"20:00\" cutoff=\"20:15\"/>";
+    assert_eq!(busy.matches(evening).count(), 1);
+    let scratch = Scratch::new();
+    let noon = busy.replace(evening, "<start from=\"12:00\" to=\"13:00\" cutoff=\"13:15\"/>");
+    let said = check(&scratch.file("noon.xml", noon));
+    assert_eq!(said.code, 1);
+    for part in ["`18 weather, noon` and `19 weather, evening`", "`weather_station`", "no resource"]
+    {
+        assert!(said.err.contains(part), "{part}: {said:?}");
+    }
+}

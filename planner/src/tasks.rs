@@ -27,6 +27,7 @@
 //! | [`Director`] | has it executed: tells when to plan again, and what changes |
 //! | [`Library`] | what sequences do |
 //! | [`mission_fits`] | whether the parameters and a mission agree |
+//! | [`plan_fits`] | whether a plan's activities and a mission agree |
 
 mod activity;
 mod director;
@@ -35,6 +36,7 @@ mod fits;
 mod generated;
 mod library;
 mod priority;
+mod together;
 mod translate;
 
 use core::fmt;
@@ -51,6 +53,7 @@ pub use director::{Director, NotPlanned};
 pub use fits::{Disagreement, mission_fits};
 pub use library::{Library, NoLibrary};
 pub use priority::ticket_priority;
+pub use together::plan_fits;
 pub use translate::tasks;
 
 /// What a plan is executed with.

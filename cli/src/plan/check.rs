@@ -50,7 +50,8 @@ pub(crate) fn check(args: &PlanCheckArgs) -> Result<Exit, Failure> {
         found.extend(together(&sources, &documents, parameters));
     }
     if let Some(mission) = mission {
-        found.extend(mission::fits(parameters.as_ref(), &mission)?);
+        let plans = documents.iter().flatten().filter_map(plan);
+        found.extend(mission::fits(parameters.as_ref(), plans, &mission)?);
         // It is shown with the others, and is none of them.
         sources.push(mission);
     }

@@ -1,17 +1,19 @@
-//! Whether parameters and a mission agree.
+//! Whether parameters, plans and a mission agree.
 
-use faregate_planner::Parameters;
-use faregate_planner::tasks::{Disagreement, mission_fits};
+use faregate_planner::tasks::{Disagreement, Library, Misfit, mission_fits, plan_fits};
+use faregate_planner::{Parameters, Plan};
 use faregate_scheduler::format::reading::{self, Report, Wrong};
 use faregate_scheduler::format::{self, Diagnostic, Rule};
 
 use crate::exit::Failure;
 use crate::schedule::Source;
 
-/// Everything that the parameters and the mission in this file say differently,
-/// and what is wrong with the file itself.
-pub(super) fn fits(
+/// Everything that the parameters or a plan and the mission in this file say
+/// differently, and what is wrong with the file itself. Sequences of the plan are
+/// the file's tasks.
+pub(super) fn fits<'p>(
     parameters: Option<&Parameters>,
+    plans: impl Iterator<Item = &'p Plan>,
     file: &Source,
 ) -> Result<Vec<Diagnostic>, Failure> {
     let Some(parameters) = parameters else {
@@ -26,7 +28,14 @@ pub(super) fn fits(
         let why = format!("{} has no mission: give it a table [mission]", file.name);
         return Err(Failure::failed(why));
     };
-    let differ = mission_fits(parameters, &mission);
+    let mut differ = mission_fits(parameters, &mission);
+    for plan in plans {
+        let library = Library::read(&file.name, &file.bytes);
+        let library = library.map_err(|why| {
+            Failure::failed(format!("{} has no sequences for {}: {why}", file.name, plan.name))
+        })?;
+        differ.extend(plan_fits(plan, &library, &mission));
+    }
     Ok(told(&differ, file).unwrap_or_else(|found| found))
 }
 
@@ -45,7 +54,8 @@ const fn rule(differ: &Disagreement) -> Rule {
         Disagreement::NoCategory(_)
         | Disagreement::NoEngine(_)
         | Disagreement::NoHeater(_)
-        | Disagreement::NoAgent => Rule::UnknownName,
+        | Disagreement::NoAgent
+        | Disagreement::Activity(Misfit::Sequence(..) | Misfit::Gate(..)) => Rule::UnknownName,
         Disagreement::Names { .. } => Rule::Duplicate,
         _ => Rule::Limits,
     }

@@ -1,5 +1,6 @@
 //! An activity as a task.
 
+use faregate_scheduler::Mission;
 use faregate_scheduler::task::{
     Body, Dependency, Overrun, Preemption, Status as TaskStatus, Step, Task, TaskId,
 };
@@ -7,7 +8,7 @@ use faregate_scheduler::tickets::MOST_GATES;
 use faregate_scheduler::time::Duration;
 
 use super::generated::Generated;
-use super::translate::{Given, Held, duration, hold_length};
+use super::translate::{Given, Held, devices, duration, hold_length};
 use super::{Misfit, library};
 use crate::plan::{Activity, Dependency as Prior, Kind, Outcome};
 use crate::timed::{Fate, Slot};
@@ -26,7 +27,10 @@ impl Given<'_> {
             Body::Sequence(steps) => library::gates(steps),
             _ => Vec::new(),
         };
-        self.commands(activity, &gates)?;
+        let wrong = misfits(&self.setting.mission, activity, &gates);
+        if !wrong.is_empty() {
+            return Err(wrong);
+        }
         let devices = self.devices(&gates);
         let parameters = &self.setting.parameters;
         let mandatory = activity.priority >= parameters.mandatory_from;
@@ -71,22 +75,6 @@ impl Given<'_> {
         let until = duration(slot.length());
         let issued = |step: &&Step| !expands || step.offset <= until;
         Ok(Body::Sequence(steps.iter().filter(issued).cloned().collect()))
-    }
-
-    /// Whether the mission has these gates, and the plan counts their devices.
-    fn commands(&self, activity: &Activity, gates: &[String]) -> Result<(), Vec<Misfit>> {
-        let devices = &self.setting.mission.devices;
-        let unknown = gates.iter().filter(|gate| !devices.iter().any(|one| one.name == **gate));
-        let mut wrong: Vec<_> =
-            unknown.map(|gate| Misfit::Gate(activity.id, gate.clone())).collect();
-        if gates.len() > MOST_GATES {
-            wrong.push(Misfit::Gates(activity.id, gates.len()));
-        }
-        let more = self.devices(gates).saturating_sub(activity.peak);
-        if !more.is_zero() {
-            wrong.push(Misfit::Peak(activity.id, more.get()));
-        }
-        if wrong.is_empty() { Ok(()) } else { Err(wrong) }
     }
 
     /// Its range, and what a device that is still made safe may cost.
@@ -151,4 +139,18 @@ impl Given<'_> {
         };
         Some(Dependency { task: TaskId::new(prior.prior.get())?, status })
     }
+}
+
+/// Whether the mission has these gates, and the plan counts their devices.
+pub(super) fn misfits(mission: &Mission, activity: &Activity, gates: &[String]) -> Vec<Misfit> {
+    let unknown = gates.iter().filter(|gate| !mission.devices.iter().any(|one| one.name == **gate));
+    let mut wrong: Vec<_> = unknown.map(|gate| Misfit::Gate(activity.id, gate.clone())).collect();
+    if gates.len() > MOST_GATES {
+        wrong.push(Misfit::Gates(activity.id, gates.len()));
+    }
+    let more = devices(mission, gates).saturating_sub(activity.peak);
+    if !more.is_zero() {
+        wrong.push(Misfit::Peak(activity.id, more.get()));
+    }
+    wrong
 }

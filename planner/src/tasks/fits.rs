@@ -5,7 +5,7 @@ use core::fmt;
 use faregate_scheduler::Mission;
 use faregate_tickets::amount::Milliwatts;
 
-use super::engines;
+use super::{Misfit, engines};
 use crate::Parameters;
 
 /// Something that the parameters and the mission say differently.
@@ -54,6 +54,27 @@ pub enum Disagreement {
         /// What its devices draw.
         devices: Milliwatts,
     },
+    /// Two activities command one gate, can overlap, and share no resource bit:
+    /// the planner would put them beside each other.
+    Gate {
+        /// The gate.
+        gate: String,
+        /// Their numbers and names.
+        names: [String; 2],
+    },
+    /// The devices of an activity draw more than an agent has.
+    Supply {
+        /// The number and name of the activity.
+        name: String,
+        /// The agent.
+        agent: String,
+        /// What the devices draw there.
+        devices: Milliwatts,
+        /// What it has.
+        supply: Milliwatts,
+    },
+    /// An activity cannot become a task.
+    Activity(Misfit),
 }
 
 /// Everything that the parameters and the mission say differently: so that a
@@ -155,6 +176,17 @@ impl fmt::Display for Disagreement {
                 "no device of the mission heats the zone `{zone}`: give its heater the parameter \
                  zone = \"{zone}\""
             ),
+            Self::Gate { gate, names: [one, other] } => write!(
+                f,
+                "activities `{one}` and `{other}` command the gate `{gate}`, can overlap, and \
+                 share no resource: give both the same one"
+            ),
+            Self::Supply { name, agent, devices, supply } => write!(
+                f,
+                "the devices of activity `{name}` draw {devices} at the agent `{agent}`, which \
+                 has {supply}"
+            ),
+            Self::Activity(misfit) => misfit.fmt(f),
             Self::Heater { zone, peak, devices } => write!(
                 f,
                 "the heaters of zone `{zone}` draw {devices}, and the parameters say {peak}"

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use faregate_agents::Categories;
+use faregate_scheduler::Mission;
 use faregate_scheduler::manager::limits::LATENESS;
 use faregate_scheduler::task::{
     Body, Overrun, Preemption, Task, TaskId, TaskPriority, When, Window as TaskWindow,
@@ -128,14 +129,17 @@ impl Given<'_> {
         When::At(self.setting.epoch.wall(time))
     }
 
-    /// What devices draw at the agent that tasks' own draws are charged to.
     pub(super) fn devices(&self, gates: &[String]) -> Milliwatts {
-        let mission = &self.setting.mission;
-        let Some(first) = mission.agents.first() else { return Milliwatts::ZERO };
-        let mine = mission.devices.iter();
-        let mine = mine.filter(|one| gates.contains(&one.name) && one.agent == first.name);
-        mine.filter_map(|one| one.draw).fold(Milliwatts::ZERO, Milliwatts::saturating_add)
+        devices(&self.setting.mission, gates)
     }
+}
+
+/// What devices draw at the agent that tasks' own draws are charged to.
+pub(super) fn devices(mission: &Mission, gates: &[String]) -> Milliwatts {
+    let Some(first) = mission.agents.first() else { return Milliwatts::ZERO };
+    let mine = mission.devices.iter();
+    let mine = mine.filter(|one| gates.contains(&one.name) && one.agent == first.name);
+    mine.filter_map(|one| one.draw).fold(Milliwatts::ZERO, Milliwatts::saturating_add)
 }
 
 fn with_engines(mut task: Task, engines: &Engines<'_>) -> Task {

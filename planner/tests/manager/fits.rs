@@ -4,11 +4,13 @@ use std::sync::Arc;
 
 use faregate_planner::timed::Fate;
 
-use faregate_planner::tasks::{Disagreement, Misfit, mission_fits, tasks};
-use faregate_planner::{Problem, schedule};
+use faregate_planner::plan::{Dependency, Status};
+use faregate_planner::tasks::{Disagreement, Misfit, mission_fits, plan_fits, tasks};
+use faregate_planner::units::Span;
+use faregate_planner::{Plan, Problem, schedule};
 use faregate_tickets::amount::Milliwatts;
 
-use crate::stage::{mission, parameters, setting, state};
+use crate::stage::{id, library, mission, parameters, setting, state};
 
 #[test]
 fn the_rover_of_the_example_sols_fits_their_parameters() {
@@ -100,4 +102,78 @@ fn an_activity_comes_after_the_task_that_heats_its_zone_and_after_its_priors() {
     let (mandatory, optional): (Vec<_>, Vec<_>) = activities.partition(|task| task.mandatory);
     let least = mandatory.iter().map(|task| task.priority.level()).min();
     assert!(optional.iter().all(|task| Some(task.priority.level()) < least));
+}
+
+fn clashes(plan: &Plan) -> Vec<String> {
+    plan_fits(plan, &library(), &mission()).iter().map(ToString::to_string).collect()
+}
+
+#[test]
+fn the_busy_sol_fits_the_rover_of_the_example_sols() {
+    assert_eq!(clashes(&setting().plan), [""; 0]);
+}
+
+#[test]
+fn two_that_command_one_gate_share_a_resource_or_never_meet() {
+    let mut plan = (*setting().plan).clone();
+    let at = |number: u32| move |one: &faregate_planner::Activity| one.id == id(number);
+    let place = |plan: &Plan, number| plan.activities.iter().position(at(number)).unwrap();
+    // Laser spectra, near and far, on one laser.
+    let (near, far) = (place(&plan, 15), place(&plan, 16));
+    plan.activities[far].resources = Default::default();
+    let clash = "activities `15 laser spectra, near` and `16 laser spectra, far` command the \
+                 gate `laser`, can overlap, and share no resource: give both the same one";
+    assert_eq!(clashes(&plan), [clash]);
+    // Over another one is after, too.
+    let free = plan.clone();
+    let after = |prior| vec![Dependency { prior: id(prior), statuses: vec![Status::Succeeded] }];
+    let between = place(&plan, 18);
+    plan.activities[far].after = after(18);
+    plan.activities[between].after = after(15);
+    assert_eq!(clashes(&plan), [""; 0]);
+    let mut plan = free.clone();
+    plan.activities[near].group = Some("laser".into());
+    assert_eq!(clashes(&plan).len(), 1, "one of them alone is in the group");
+    plan.activities[far].group = Some("laser".into());
+    assert_eq!(clashes(&plan), [""; 0]);
+    // Weather thrice, at other times of day.
+    let mut plan = free;
+    plan.activities[far].resources = plan.activities[near].resources;
+    let (noon, evening) = (place(&plan, 18), place(&plan, 19));
+    let range = plan.activities[evening].starts[0];
+    let before = &mut plan.activities[noon].starts[0];
+    before.cutoff = range.from;
+    assert_eq!(clashes(&plan), [""; 0], "half-open");
+    plan.activities[noon].starts[0].cutoff = range.from.after(Span::new(1));
+    let clashes = clashes(&plan);
+    assert_eq!(clashes.len(), 1);
+    assert!(clashes[0].contains("`18 weather, noon` and `19 weather, evening`"), "{clashes:?}");
+}
+
+#[test]
+fn activities_whose_devices_draw_more_than_there_is_are_told_before_anything_runs() {
+    let mut mission = mission();
+    let mut spare = mission.agents[0].clone();
+    spare.name = "spare".into();
+    spare.supply = Some(Milliwatts::from_watts(119));
+    mission.agents.push(spare);
+    for device in mission.devices.iter_mut().filter(|one| one.name == "drill") {
+        device.agent = "spare".into();
+    }
+    let mut plan = (*setting().plan).clone();
+    plan.activities.retain(|one| [10, 27].contains(&one.id.get()));
+    plan.activities[1].sequence = Some("unheard_of".into());
+    let found = plan_fits(&plan, &library(), &mission);
+    let words: Vec<_> = found.iter().map(ToString::to_string).collect();
+    assert_eq!(
+        words,
+        [
+            "the devices of activity `10 core a sample` draw 120 W at the agent `spare`, which \
+             has 119 W",
+            "activity 27: no sequence `unheard_of` is known: give the library one",
+        ]
+    );
+    // The control: exactly as much is enough.
+    mission.agents[1].supply = Some(Milliwatts::from_watts(120));
+    assert_eq!(plan_fits(&plan, &library(), &mission).len(), 1);
 }

@@ -10,11 +10,12 @@ use crate::args::Format;
 #[command(after_help = "\
 Parameters among the files are what the others are judged by, and a plan and a
 state are judged together, too. With a mission, the parameters are compared with
-what it has: supply, categories, engines, heaters.
+what it has (supply, categories, engines, heaters), and plans with what its tasks
+command: two activities with one gate need a resource in common.
 
 Examples:
   faregate plan check sol.xml parameters.xml state.xml
-  faregate plan check parameters.xml --mission rover.toml")]
+  faregate plan check sol.xml parameters.xml --mission rover.toml")]
 pub(crate) struct PlanCheckArgs {
     /// Plans, parameters and states, as XML or in the compact form.
     #[arg(required = true, value_name = "FILE")]
