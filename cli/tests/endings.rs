@@ -21,8 +21,7 @@ fn an_interrupt_ends_the_tasks_in_order() {
         "trap 'echo saved >saved; exit 0' TERM; echo >ready; while :; do sleep 0.1; done",
     );
     let task = "[[task]]\nid = 1\nrun = 'sh careful.sh'\npreempt = 'kill'\ngrace = 30\n";
-    let mission = scratch.file("mission.toml", format!("{MISSION}{task}"));
-    let mut run = Run::start(&scratch, &[mission.to_str().unwrap()]);
+    let mut run = Run::of(&scratch, task);
     run.until("started task 1");
     wait_until("the trap is set", || scratch.path("ready").exists());
     let pid = run.child.id().to_string();
@@ -30,6 +29,21 @@ fn an_interrupt_ends_the_tasks_in_order() {
     let said = run.ended();
     assert_eq!(said.code, 0, "{said:?}");
     assert!(scratch.path("saved").exists(), "it had its grace: {said:?}");
+}
+
+/// Something is due all the time, and each start is a process.
+#[test]
+fn an_interrupt_ends_a_run_that_is_never_idle() {
+    let scratch = Scratch::new();
+    let mut run = Run::of(&scratch, "[[task]]\nid = 1\nrun = 'true'\ninterval = '1ms'\n");
+    run.until("succeeded task 1");
+    // Its operator is answered all the same.
+    assert_eq!(run.state("1")["task"], 1);
+    let pid = run.child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
+    let said = run.ended();
+    assert_eq!(said.code, 0, "{said:?}");
+    assert!(said.out.contains("succeeded"), "{said:?}");
 }
 
 #[test]
@@ -150,8 +164,7 @@ fn as_many_tasks_run_as_the_host_allows_and_they_have_what_they_were_given() {
 fn a_run_in_which_nothing_happens_uses_no_processor() {
     let scratch = Scratch::new();
     let task = "[[task]]\nid = 1\nrun = 'sleep 600'\n";
-    let mission = scratch.file("mission.toml", format!("{MISSION}{task}"));
-    let mut run = Run::start(&scratch, &[mission.to_str().unwrap()]);
+    let mut run = Run::of(&scratch, task);
     run.until("started task 1");
     let pid = run.child.id();
     let ticks = || {

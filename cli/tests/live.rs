@@ -10,14 +10,13 @@ use std::io::{BufReader, Read};
 use std::process::{ChildStdout, Stdio};
 
 use serde_json::Value;
-use support::run::{MISSION, Run};
+use support::run::Run;
 use support::{Scratch, case_file, faregate};
 
 #[test]
 fn an_operator_adds_holds_changes_and_removes_tasks_of_a_running_schedule() {
     let scratch = Scratch::new();
-    let mission = scratch.file("mission.toml", MISSION);
-    let mut run = Run::start(&scratch, &[mission.to_str().unwrap()]);
+    let mut run = Run::of(&scratch, "");
     assert!(run.must(&["status"]).out.contains("empty"));
 
     run.must(&["add", "--line", "7 +3600 0 5 1 10 0 0 sleep 5"]);
@@ -45,8 +44,7 @@ fn an_operator_adds_holds_changes_and_removes_tasks_of_a_running_schedule() {
 #[test]
 fn a_schedule_with_mistakes_is_not_added_and_each_mistake_is_told() {
     let scratch = Scratch::new();
-    let mission = scratch.file("mission.toml", MISSION);
-    let run = Run::start(&scratch, &[mission.to_str().unwrap()]);
+    let run = Run::of(&scratch, "");
     let bad = case_file("bad_schedule.csv");
     let said = run.operate(&["add", bad.to_str().unwrap()]);
     assert_eq!(said.code, 5, "{said:?}");
@@ -67,8 +65,7 @@ fn a_process_commands_the_devices_of_its_task_and_no_others() {
     ";
     scratch.file("script.sh", script);
     let task = "[[task]]\nid = 1\ndur = 60\nrun = 'sh script.sh'\ngates = ['camera']\n";
-    let mission = scratch.file("mission.toml", format!("{MISSION}{task}"));
-    let mut run = Run::start(&scratch, &[mission.to_str().unwrap()]);
+    let mut run = Run::of(&scratch, task);
     run.until("succeeded task 1");
     let said = fs::read_to_string(scratch.path("said")).unwrap();
     assert_eq!(said, "camera: 0\nunknown: 5\nundeclared: 5\nnothing: 5\nheartbeat: 0\n");
@@ -81,8 +78,7 @@ fn what_a_failing_task_printed_is_shown() {
     let scratch = Scratch::new();
     scratch.file("script.sh", "echo no film >&2; exit 3");
     let task = "[[task]]\nid = 1\nrun = 'sh script.sh'\n";
-    let mission = scratch.file("mission.toml", format!("{MISSION}{task}"));
-    let mut run = Run::start(&scratch, &[mission.to_str().unwrap()]);
+    let mut run = Run::of(&scratch, task);
     run.until("failed task 1");
     run.until("| no film");
     assert_eq!(run.end().code, 0);
@@ -110,8 +106,7 @@ fn a_task_that_is_pre_empted_is_refused_by_name_and_goes_on() {
         run = 'sleep 1'
         gates = ['camera']
     ";
-    let mission = scratch.file("mission.toml", format!("{MISSION}{tasks}"));
-    let mut run = Run::start(&scratch, &[mission.to_str().unwrap()]);
+    let mut run = Run::of(&scratch, tasks);
     run.until("paused task 1");
     run.until("started task 2");
     run.until("resumed task 1");
@@ -144,8 +139,7 @@ fn a_script_learns_who_took_its_tickets_from_a_field() {
         run = 'sleep 1'
         gates = ['camera']
     ";
-    let mission = scratch.file("mission.toml", format!("{MISSION}{tasks}"));
-    let mut run = Run::start(&scratch, &[mission.to_str().unwrap()]);
+    let mut run = Run::of(&scratch, tasks);
     run.until("succeeded task 2");
     let said = |name: &str| -> serde_json::Value {
         serde_json::from_slice(&fs::read(scratch.path(name)).unwrap()).unwrap()
@@ -161,8 +155,7 @@ fn a_script_learns_who_took_its_tickets_from_a_field() {
 fn a_mode_takes_its_gates_and_gives_them_back() {
     let scratch = Scratch::new();
     let task = "[[task]]\nid = 1\nrun = 'sleep 600'\ngates = ['heater']\npri = 10\n";
-    let mission = scratch.file("mission.toml", format!("{MISSION}{task}"));
-    let mut run = Run::start(&scratch, &[mission.to_str().unwrap()]);
+    let mut run = Run::of(&scratch, task);
     run.until("started task 1");
     run.must(&["mode", "enter", "eclipse"]);
     run.until("paused task 1");
@@ -178,8 +171,7 @@ fn a_mode_takes_its_gates_and_gives_them_back() {
 #[test]
 fn who_watches_is_told_each_change_until_the_end() {
     let scratch = Scratch::new();
-    let mission = scratch.file("mission.toml", MISSION);
-    let run = Run::start(&scratch, &[mission.to_str().unwrap()]);
+    let run = Run::of(&scratch, "");
     let watch = faregate()
         .args(["watch", "--format", "json", "--socket"])
         .arg(&run.socket)

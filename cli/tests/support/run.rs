@@ -21,6 +21,12 @@ pub(crate) struct Run {
 }
 
 impl Run {
+    /// Of [`MISSION`] and these tasks.
+    pub(crate) fn of(scratch: &Scratch, tasks: &str) -> Self {
+        let mission = scratch.file("mission.toml", format!("{MISSION}{tasks}"));
+        Self::start(scratch, &[mission.to_str().unwrap()])
+    }
+
     pub(crate) fn start(scratch: &Scratch, words: &[&str]) -> Self {
         let socket = scratch.path("faregate.sock");
         let program = Path::new(env!("CARGO_BIN_EXE_faregate")).parent().unwrap();
