@@ -19,6 +19,8 @@
 //! # }
 //! ```
 
+mod error;
+mod kept;
 mod opening;
 
 use core::fmt;
@@ -30,16 +32,17 @@ use faregate_client::{Problem, RefusalKind, Refused};
 
 use crate::bodies::{Functions, RealBodies, Settings, Surroundings, Swept};
 use crate::control::{Links, ReadSchedule, SocketLink};
-use crate::executive::{
-    Commands, Correspondent, HostClock, HostExecutive, JournalSink, Unwritten, Waker,
-};
+use crate::executive::{Commands, Correspondent, HostClock, HostExecutive, Unwritten, Waker};
 use crate::format::{self, Diagnostic};
-use crate::journal::{Journal, JournalError, Opened};
-use crate::manager::{Addition, Record, Reply, Restored, Telecommand};
+use crate::journal::Opened;
+use crate::manager::{Addition, Reply, Restored, Telecommand};
 use crate::mission::Mission;
 use crate::port::CommandServer;
 use crate::task::Task;
-use crate::tickets::{Driver, Installation, NotInstalled, Tickets};
+use crate::tickets::{Driver, Installation, Tickets};
+
+pub use error::NotOnboard;
+pub use kept::Kept;
 
 /// A mission's schedule that runs on this host: processes, threads, tickets, a
 /// journal, and links.
@@ -61,62 +64,6 @@ pub struct Builder {
     swept: Vec<Swept>,
     control: Option<PathBuf>,
     schedules: Arc<dyn ReadSchedule>,
-}
-
-/// Why a schedule cannot be run here.
-#[derive(Debug)]
-#[non_exhaustive]
-pub enum NotOnboard {
-    /// The host lacks something.
-    Host(io::Error),
-    /// The mission's broker cannot be put together.
-    Installation(NotInstalled),
-    /// The mission says nothing of a device with this name.
-    UnknownDevice(String),
-    /// Devices of the mission that no driver was given for.
-    NoDriver(Vec<String>),
-    /// The journal cannot be used.
-    Journal(JournalError),
-    /// Telecommands cannot be taken there.
-    Control(PathBuf, io::Error),
-    /// The schedule was refused.
-    Refused(String),
-}
-
-impl fmt::Display for NotOnboard {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Host(error) => write!(f, "the host has no room for a run: {error}"),
-            Self::Installation(why) => why.fmt(f),
-            Self::UnknownDevice(name) => write!(f, "the mission has no device `{name}`"),
-            Self::NoDriver(names) => write!(f, "no driver was given for {}", names.join(", ")),
-            Self::Journal(error) => error.fmt(f),
-            Self::Control(path, error) => {
-                write!(f, "no telecommands can be taken at {}: {error}", path.display())
-            }
-            Self::Refused(why) => write!(f, "the schedule is not accepted: {why}"),
-        }
-    }
-}
-
-impl std::error::Error for NotOnboard {}
-
-impl From<io::Error> for NotOnboard {
-    fn from(error: io::Error) -> Self {
-        Self::Host(error)
-    }
-}
-
-impl From<NotInstalled> for NotOnboard {
-    fn from(why: NotInstalled) -> Self {
-        Self::Installation(why)
-    }
-}
-
-impl From<JournalError> for NotOnboard {
-    fn from(error: JournalError) -> Self {
-        Self::Journal(error)
-    }
 }
 
 impl Onboard {
@@ -341,37 +288,5 @@ impl<O: Correspondent> Onboard<O> {
             Kept::Journal(journal) => journal.close().map_err(io::Error::other),
             Kept::Nowhere(_) => Ok(()),
         }
-    }
-}
-
-/// Where records go: to a journal, or nowhere.
-#[derive(Debug)]
-pub enum Kept {
-    /// To this journal.
-    Journal(Box<Journal>),
-    /// Nothing outlives this run.
-    Nowhere(Unwritten),
-}
-
-impl Kept {
-    fn sink(&mut self) -> &mut dyn JournalSink {
-        match self {
-            Self::Journal(journal) => &mut **journal,
-            Self::Nowhere(nowhere) => nowhere,
-        }
-    }
-}
-
-impl JournalSink for Kept {
-    fn append(&mut self, record: &Record) -> io::Result<()> {
-        self.sink().append(record)
-    }
-
-    fn commit(&mut self) -> io::Result<()> {
-        self.sink().commit()
-    }
-
-    fn sync(&mut self) -> io::Result<()> {
-        self.sink().sync()
     }
 }

@@ -14,7 +14,8 @@ use std::collections::BTreeMap;
 use faregate_scheduler::manager::{Event, Needs};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, TestCaseResult, TestRunner};
-use rig::{LAMP, Needing, Rig, SUPPLY, needs};
+use rig::lamp::LAMP;
+use rig::{Needing, Rig, SUPPLY, needs};
 
 const LAMPS: [&str; 3] = ["camera", "heater", "radio"];
 

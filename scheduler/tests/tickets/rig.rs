@@ -1,23 +1,27 @@
 //! A port on a real broker, with lamps whose truth the test sees.
 
+pub(crate) mod lamp;
+mod needs;
+
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering::SeqCst};
+use std::sync::atomic::Ordering::SeqCst;
 use std::time::Duration as Patience;
 
-use faregate_agents::{AgentId, Categories, Supervisor};
+use faregate_agents::{AgentId, Supervisor};
 use faregate_scheduler::Mission;
 use faregate_scheduler::executive::{Commands, HostClock, TicketPort, Waker};
-use faregate_scheduler::manager::{Attempt, Event, Needs, Occurrence};
-use faregate_scheduler::mission::{AgentSpec, DeviceSpec};
-use faregate_scheduler::task::{TaskId, TaskPriority};
+use faregate_scheduler::manager::{Event, Needs};
+use faregate_scheduler::mission::AgentSpec;
 use faregate_scheduler::tickets::{Commander, Installation, Named, Tickets};
 use faregate_scheduler::time::Duration;
-use faregate_tickets::Device;
 use faregate_tickets::amount::Milliwatts;
 use faregate_tickets::clock::Clock;
-use faregate_tickets::device::{Declaration, Effect, Estimate, Power, Profile};
+use faregate_tickets::device::{Estimate, Power};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
+
+use lamp::{Lamp, Switch, Truth, spec};
+pub(crate) use needs::{Needing, attempt, needs, task};
 
 /// How long nothing may happen before a test gives up.
 const GIVE_UP: Patience = Patience::from_secs(30);
@@ -26,63 +30,6 @@ const SENSOR_PERIOD: Timespec = Timespec { tv_sec: 0, tv_nsec: 1_000_000 };
 /// Readings, and turns of the port, after which what has not happened is not
 /// under way either.
 const ROUNDS: usize = 50;
-
-pub(crate) const LAMP: Milliwatts = Milliwatts::from_watts(8);
-
-#[derive(Debug, Default)]
-pub(crate) struct Truth {
-    pub(crate) on: AtomicBool,
-    /// Whether a command waits until this is false.
-    pub(crate) slow: AtomicBool,
-    pub(crate) inside: AtomicBool,
-}
-
-pub(crate) struct Lamp(Arc<Truth>);
-
-#[derive(Clone, Copy)]
-pub(crate) enum Switch {
-    On,
-    Off,
-    Break,
-}
-
-impl Device for Lamp {
-    type Command = Switch;
-    type Response = ();
-    type Fault = &'static str;
-
-    fn profile(&self) -> Profile {
-        let mut profile = Profile::new().drawing(LAMP);
-        profile.longest_command = Duration::from_secs(20);
-        profile.longest_safing = Duration::from_secs(20);
-        profile.estimate_lag = Duration::from_secs(5);
-        profile
-    }
-    fn declare(command: &Switch) -> Declaration {
-        let effect = match command {
-            Switch::On => Effect::on(LAMP),
-            Switch::Off => Effect::Off,
-            Switch::Break => Effect::Unchanged,
-        };
-        Declaration { code: *command as u16, wcet: Duration::from_secs(20), effect }
-    }
-    fn issue(&mut self, command: Switch) -> Result<(), &'static str> {
-        self.0.inside.store(true, SeqCst);
-        while self.0.slow.load(SeqCst) {
-            std::thread::yield_now();
-        }
-        self.0.inside.store(false, SeqCst);
-        match command {
-            Switch::Break => return Err("its filament broke"),
-            _ => self.0.on.store(matches!(command, Switch::On), SeqCst),
-        }
-        Ok(())
-    }
-    fn safe(&mut self) -> Result<(), &'static str> {
-        self.0.on.store(false, SeqCst);
-        Ok(())
-    }
-}
 
 pub(crate) struct Rig {
     pub(crate) tickets: Tickets,
@@ -94,43 +41,6 @@ pub(crate) struct Rig {
     waker: Waker,
     /// What was told and not waited for yet.
     pub(crate) events: Vec<Event>,
-}
-
-/// The occurrence of the task of this number.
-pub(crate) fn task(number: u32) -> Occurrence {
-    Occurrence { task: TaskId::new(number).unwrap(), load: 0, number: 0 }
-}
-
-pub(crate) fn attempt(number: u32) -> Attempt {
-    Attempt { occurrence: task(number), number: 1 }
-}
-
-pub(crate) fn needs(priority: u8) -> Needs {
-    Needs {
-        priority: TaskPriority::new(priority).unwrap(),
-        categories: Categories::NONE,
-        draw: Milliwatts::ZERO,
-        gates: Vec::new(),
-        grace: Duration::ZERO,
-    }
-}
-
-pub(crate) trait Needing {
-    fn using(self, category: u32) -> Needs;
-    fn drawing(self, watts: u32) -> Needs;
-    fn commanding(self, gates: &[&str]) -> Needs;
-}
-
-impl Needing for Needs {
-    fn using(self, category: u32) -> Needs {
-        Needs { categories: Categories::from_mask(1 << category), ..self }
-    }
-    fn drawing(self, watts: u32) -> Needs {
-        Needs { draw: Milliwatts::from_watts(watts), ..self }
-    }
-    fn commanding(self, gates: &[&str]) -> Needs {
-        Needs { gates: gates.iter().map(|gate| (*gate).to_owned()).collect(), ..self }
-    }
 }
 
 pub(crate) const SUPPLY: u32 = 42;
@@ -316,16 +226,5 @@ impl Rig {
             self.turn();
             self.sleep();
         }
-    }
-}
-
-fn spec(name: &str) -> DeviceSpec {
-    DeviceSpec {
-        name: name.into(),
-        kind: "lamp".into(),
-        agent: "power".into(),
-        draw: None,
-        categories: Categories::NONE,
-        parameters: BTreeMap::new(),
     }
 }
