@@ -1,7 +1,5 @@
 //! `convert`: a schedule in another format.
 
-use std::fs;
-
 use faregate_scheduler::Mission;
 use faregate_scheduler::format::{self, Against, Kind, NotHeld, Options};
 use serde::Serialize;
@@ -9,7 +7,7 @@ use serde::Serialize;
 use crate::args::{ConvertArgs, Format};
 use crate::exit::{Exit, Failure};
 use crate::schedule::Source;
-use crate::{out, report};
+use crate::{disk, out, report};
 
 /// What became of it, for programs.
 #[derive(Serialize)]
@@ -26,6 +24,7 @@ pub(crate) fn convert(args: &ConvertArgs) -> Result<Exit, Failure> {
             format!("{} does not end in .csv, .txt or .toml", args.to.display()),
         ));
     };
+    disk::are_two(&args.from, &args.to)?;
     let mission = args.mission.as_deref().map(|path| mission(&Source::open(path)?)).transpose()?;
     let source = Source::open(&args.from)?;
     let options = Options {
@@ -46,9 +45,7 @@ pub(crate) fn convert(args: &ConvertArgs) -> Result<Exit, Failure> {
     let (text, not_held) = format::write(kind, &loaded.tasks, mission);
     let written = not_held.is_empty() || args.lossy;
     if written {
-        fs::write(&args.to, text).map_err(|error| {
-            Failure::failed(format!("{} cannot be written: {error}", args.to.display()))
-        })?;
+        disk::write(&args.to, text)?;
     }
     match args.format {
         Format::Json => {

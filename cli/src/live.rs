@@ -4,14 +4,13 @@ mod status;
 mod watch;
 
 use std::env;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use faregate_client::{Control, Error};
 
 use crate::args::{AddArgs, ModeAction, RemoveArgs, SetArgs, SocketArgs, TaskArg, ToAllArgs};
 use crate::exit::{Exit, Failure};
-use crate::out;
+use crate::{disk, out};
 
 pub(crate) use status::status;
 pub(crate) use watch::watch;
@@ -24,8 +23,11 @@ pub(crate) fn default_socket() -> PathBuf {
 
 impl SocketArgs {
     fn connect(&self) -> Result<Control, Failure> {
-        let path = self.socket.clone().unwrap_or_else(default_socket);
-        Control::connect(&path).map_err(|error| advice(error, self.socket.is_none()))
+        // A variable that is empty is as good as none.
+        let named = self.socket.as_ref().filter(|path| !path.is_empty()).map(PathBuf::from);
+        let is_default = named.is_none();
+        let path = named.unwrap_or_else(default_socket);
+        Control::connect(&path).map_err(|error| advice(error, is_default))
     }
 }
 
@@ -44,14 +46,20 @@ fn advice(error: Error, is_default: bool) -> Failure {
 }
 
 pub(crate) fn add(args: &AddArgs) -> Result<Exit, Failure> {
-    let files = args.files.iter().map(|path| Ok((name(path), read(path)?)));
-    // A line of its own: the format's name is what its ending says.
-    let line = args.line.iter().map(|line| Ok(("line.txt".to_owned(), format!("{line}\n"))));
+    let files = args.files.iter().map(|path| {
+        let name = name(path);
+        Ok((name.clone(), name, read(path)?))
+    });
+    // A line has no name, and its format is known by one.
+    let line = args
+        .line
+        .iter()
+        .map(|line| Ok(("the line".to_owned(), "line.txt".to_owned(), format!("{line}\n"))));
     let schedules = files.chain(line).collect::<Result<Vec<_>, Failure>>()?;
     let mut control = args.socket.connect()?;
-    for (name, text) in schedules {
-        control.add(&name, &text).map_err(|error| not_added(&name, &error))?;
-        out::line(format_args!("{name}: added"))?;
+    for (shown, name, text) in schedules {
+        control.add(&name, &text).map_err(|error| not_added(&shown, &error))?;
+        out::line(format_args!("{shown}: added"))?;
     }
     Ok(Exit::Done)
 }
@@ -65,8 +73,10 @@ fn name(path: &Path) -> String {
 }
 
 fn read(path: &Path) -> Result<String, Failure> {
-    fs::read_to_string(path)
-        .map_err(|error| Failure::failed(format!("{} cannot be read: {error}", path.display())))
+    String::from_utf8(disk::read(path).map_err(Failure::failed)?).map_err(|error| {
+        let at = error.utf8_error().valid_up_to();
+        Failure::failed(format!("{} is no UTF-8 text: byte {at} is none", path.display()))
+    })
 }
 
 pub(crate) fn remove(args: &RemoveArgs) -> Result<Exit, Failure> {

@@ -9,12 +9,14 @@
 //! | `inside` | sub-commands for scripts inside a task |
 //! | `changes` | one line for each change |
 //! | `out`, `exit`, `times` | what is printed; how it ends; times in words |
+//! | `disk` | what is read and written |
 
 mod analyze;
 mod args;
 mod changes;
 mod check;
 mod convert;
+mod disk;
 mod exit;
 mod inside;
 mod live;

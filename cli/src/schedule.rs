@@ -1,6 +1,5 @@
 //! Schedules and their mission, read from files.
 
-use std::fs;
 use std::path::Path;
 
 use faregate_scheduler::Mission;
@@ -11,7 +10,7 @@ use faregate_scheduler::task::Task;
 
 use crate::args::{ConflictColumn, FilesArgs};
 use crate::exit::{Exit, Failure};
-use crate::{report, simulation};
+use crate::{disk, report, simulation};
 
 /// What was read.
 #[derive(Debug)]
@@ -60,10 +59,8 @@ impl From<ConflictColumn> for Conflict {
 impl Source {
     pub(crate) fn open(path: &Path) -> Result<Self, Failure> {
         let name = path.display().to_string();
-        match fs::read(path) {
-            Ok(bytes) => Ok(Self { name, bytes }),
-            Err(error) => Err(Failure::failed(format!("{name} cannot be read: {error}"))),
-        }
+        let bytes = disk::read(path).map_err(Failure::failed)?;
+        Ok(Self { name, bytes })
     }
 
     /// The mission in it, if it has one that can be read.

@@ -33,6 +33,21 @@ fn a_schedule_behaves_the_same_through_all_three_formats_and_back() {
     }
 }
 
+#[test]
+fn no_file_is_written_over_itself() {
+    let scratch = Scratch::new();
+    let text = "# what nobody should lose\n[[task]]\nid = 1\nrun = 'true'\n";
+    let path = scratch.file("a.toml", text);
+    let other = scratch.path("b.toml");
+    std::os::unix::fs::symlink(&path, &other).unwrap();
+    for to in [&path, &other] {
+        let said = convert(&path, to, &["--lossy"]);
+        assert_eq!(said.code, 2, "{said:?}");
+        assert!(said.err.contains("over itself"), "{said:?}");
+        assert_eq!(fs::read_to_string(&path).unwrap(), text);
+    }
+}
+
 const RICH: &str = "
 [[task]]
 id = 3

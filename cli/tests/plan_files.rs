@@ -138,6 +138,17 @@ fn each_file_is_the_same_in_both_forms_and_a_damaged_one_is_refused() {
 }
 
 #[test]
+fn no_file_is_written_over_itself() {
+    let three = Three::new();
+    let before = fs::read(&three.plan).unwrap();
+    let words = ["convert", text(&three.plan), text(&three.plan), "-p", text(&three.parameters)];
+    let said = plan(&words);
+    assert_eq!(said.code, 2, "{said:?}");
+    assert!(said.err.contains("over itself"), "{said:?}");
+    assert_eq!(fs::read(&three.plan).unwrap(), before, "its comments are still there");
+}
+
+#[test]
 fn without_parameters_what_is_written_means_the_same_to_everybody() {
     let three = Three::new();
     let compact = three.convert(&three.plan, "a.bin");

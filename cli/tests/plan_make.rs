@@ -224,4 +224,18 @@ fn a_picture_is_drawn_where_it_is_asked_for() {
     let said = make(&scratch, &plan(&[arm(1, "brush", 80)]), &["--svg", text(&nowhere)]);
     assert_eq!(said.code, 1, "{said:?}");
     assert!(said.err.contains("folder.svg cannot be written"), "{}", said.err);
+    assert!(said.out.is_empty(), "that is told before anything is planned: {}", said.out);
+    let said = make(&scratch, &plan(&[arm(1, "brush", 80)]), &["--out", text(&scratch.path(""))]);
+    assert!(said.code == 1 && said.err.contains("it is a directory"), "{said:?}");
+    assert!(said.out.is_empty(), "{}", said.out);
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_plan_whose_picture_cannot_be_written_is_not_lost() {
+    let scratch = Scratch::new();
+    let said = make(&scratch, &plan(&[arm(1, "brush", 80)]), &["--svg", "/dev/full"]);
+    assert_eq!(said.code, 1, "{said:?}");
+    assert!(said.err.contains("/dev/full cannot be written"), "{}", said.err);
+    assert!(said.out.contains("brush"), "{}", said.out);
 }

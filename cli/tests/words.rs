@@ -11,7 +11,7 @@ use std::process::Stdio;
 use faregate_client::exit::Exit;
 use faregate_devices_sim::payload::{KINDS, UnitSpec};
 use proptest::prelude::*;
-use support::{Scratch, call, faregate, root};
+use support::{Said, Scratch, call, faregate, root};
 
 /// The sub-commands, as `--help` lists them.
 fn sub_commands() -> Vec<String> {
@@ -123,6 +123,46 @@ fn a_file_that_cannot_be_read_is_named() {
         assert_eq!(said.code, 1, "{words:?}: {said:?}");
         assert!(said.err.contains(missing), "{words:?}: {said:?}");
     }
+}
+
+#[test]
+fn a_file_that_is_too_long_is_refused_before_it_fills_the_memory() {
+    let scratch = Scratch::new();
+    let long = |name: &str| {
+        let path = scratch.path(name);
+        // A hole: it takes no room on the disk.
+        fs::File::create(&path).unwrap().set_len((64 << 20) + 1).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let (csv, xml) = (long("long.csv"), long("long.xml"));
+    for words in [
+        &["check", &csv][..],
+        &["analyze", &csv],
+        &["run", &csv],
+        &["convert", &csv, "x.toml"],
+        &["add", &csv],
+        &["plan", "check", &xml],
+        &["plan", "diff", &xml, &xml],
+    ] {
+        let said = call(words);
+        assert_eq!(said.code, 1, "{words:?}: {said:?}");
+        assert!(said.err.contains("is longer than 64 MiB"), "{words:?}: {said:?}");
+    }
+}
+
+#[test]
+fn a_variable_that_is_empty_is_as_good_as_none() {
+    let scratch = Scratch::new();
+    let directory = scratch.path("");
+    let output = faregate()
+        .args(["status"])
+        .env("FAREGATE_SOCKET", "")
+        .env("XDG_RUNTIME_DIR", &directory)
+        .output()
+        .unwrap();
+    let said = Said::from(output);
+    assert_eq!(said.code, i32::from(Exit::NoPort.code()), "{said:?}");
+    assert!(said.err.contains(directory.join("faregate.sock").to_str().unwrap()), "{said:?}");
 }
 
 #[test]

@@ -106,7 +106,7 @@ fn reader(mission: Mission) -> Arc<dyn ReadSchedule> {
 #[must_use]
 pub fn refused(found: &[Diagnostic]) -> Refused {
     let problems = found.iter().filter(|one| one.is_error()).map(problem).collect();
-    Refused::new(RefusalKind::Invalid, "nothing of it is loaded").with_problems(problems)
+    Refused::new(RefusalKind::Invalid, "it has mistakes").with_problems(problems)
 }
 
 fn problem(wrong: &Diagnostic) -> Problem {

@@ -1,7 +1,9 @@
 //! Words of the sub-commands that talk to a running manager.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
+use clap::builder::OsStringValueParser;
 use clap::{Args, Subcommand};
 
 use faregate_client::wire::control::Window;
@@ -13,8 +15,8 @@ use super::Format;
 pub(crate) struct SocketArgs {
     /// The manager's socket. Without it: $XDG_RUNTIME_DIR/faregate.sock, or
     /// ./faregate.sock.
-    #[arg(long, value_name = "PATH", env = "FAREGATE_SOCKET")]
-    pub(crate) socket: Option<PathBuf>,
+    #[arg(long, value_name = "PATH", env = "FAREGATE_SOCKET", value_parser = OsStringValueParser::new())]
+    pub(crate) socket: Option<OsString>,
 }
 
 #[derive(Debug, Args)]

@@ -4,7 +4,6 @@ mod document;
 mod search;
 mod table;
 
-use std::fs;
 use std::path::Path;
 
 use faregate_checker::Effort;
@@ -19,9 +18,9 @@ use faregate_planner::{
 
 use crate::args::{PlanMakeArgs, TableFormat};
 use crate::exit::{Exit, Failure};
-use crate::out;
 use crate::plan::input::{self, Inputs};
 use crate::plan::make::search::{Explanations, Found, Search};
+use crate::{disk, out};
 
 /// Some mandatory activities are left out. The words were right all the same:
 /// the number is that of wrong usage, and standard output tells them apart.
@@ -50,6 +49,9 @@ struct Made {
 pub(super) fn make(args: &PlanMakeArgs) -> Result<Exit, Failure> {
     let Inputs { plan, parameters, state } =
         input::read(&args.plan, &args.parameters, &args.state)?;
+    for path in args.out.iter().chain(&args.svg) {
+        disk::can_be_written(path)?;
+    }
     let problem = Problem::new(&plan, &parameters, &state).map_err(|unfit| unfit_for(&unfit))?;
     let incumbent = args.incumbent.as_deref().map(incumbent).transpose()?;
     let Found { timed, search } = search::best(&problem, incumbent.as_ref(), args)?;
@@ -62,11 +64,13 @@ pub(super) fn make(args: &PlanMakeArgs) -> Result<Exit, Failure> {
         .map_err(|unknown| Failure::failed(unknown.to_string()))?;
     let made =
         Made { plan, parameters, state, timed, projection, violations, explanations, search };
-    write(args, &made)?;
+    // Whichever of the two fails, the other one is not lost.
+    let written = write(args, &made);
     match args.format {
         TableFormat::Json => out::json(&document::document(&made))?,
         TableFormat::Table => table::print(&made)?,
     }
+    written?;
     Ok(made.exit())
 }
 
@@ -90,8 +94,7 @@ fn violations(
 /// A timed plan that an earlier call wrote.
 fn incumbent(path: &Path) -> Result<TimedPlan, Failure> {
     let name = path.display();
-    let text = fs::read(path)
-        .map_err(|error| Failure::failed(format!("{name} cannot be read: {error}")))?;
+    let text = disk::read(path).map_err(Failure::failed)?;
     serde_json::from_slice(&text).map_err(|error| {
         Failure::failed(format!("{name} is no timed plan as --out writes it: {error}"))
     })
@@ -102,16 +105,12 @@ fn write(args: &PlanMakeArgs, made: &Made) -> Result<(), Failure> {
     if let Some(path) = &args.out {
         let text = serde_json::to_string(&made.timed)
             .map_err(|error| Failure::failed(error.to_string()))?;
-        put(path, &format!("{text}\n"))?;
+        disk::write(path, format!("{text}\n"))?;
     }
     let Some(path) = &args.svg else { return Ok(()) };
     let Made { plan, parameters, state, timed, projection, .. } = made;
-    put(path, &picture::draw(&Scene { plan, parameters, state, timed, projection, trace: None }))
-}
-
-fn put(path: &Path, text: &str) -> Result<(), Failure> {
-    fs::write(path, text)
-        .map_err(|error| Failure::failed(format!("{} cannot be written: {error}", path.display())))
+    let scene = Scene { plan, parameters, state, timed, projection, trace: None };
+    disk::write(path, picture::draw(&scene))
 }
 
 impl Made {
