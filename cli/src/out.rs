@@ -8,6 +8,7 @@ use std::io::{self, Write};
 
 use anstyle::{AnsiColor, Style};
 use comfy_table::{Attribute, Cell, Color, ContentArrangement, LineStyle, Table, TableStyle};
+use faregate_tickets::amount::Milliwatts;
 use serde::Serialize;
 
 /// A line on standard output.
@@ -65,6 +66,16 @@ pub(crate) fn cell(style: Style, text: impl Display) -> Cell {
     }
 }
 
+/// Power that was computed, to a tenth of a watt from one watt on.
+pub(crate) fn about(power: Milliwatts) -> String {
+    let tenths = power.get().saturating_add(50) / 100;
+    match (tenths / 10, tenths % 10) {
+        (0, _) => power.to_string(),
+        (whole, 0) => format!("{whole} W"),
+        (whole, tenth) => format!("{whole}.{tenth} W"),
+    }
+}
+
 /// Something good.
 pub(crate) const GOOD: Style = AnsiColor::Green.on_default();
 /// Something to look at.
@@ -79,4 +90,16 @@ pub(crate) const STRONG: Style = Style::new().bold();
 /// The text in this style, where the reader is a terminal.
 pub(crate) fn styled(style: Style, text: impl Display) -> String {
     format!("{style}{text}{style:#}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_average_has_no_digits_that_say_nothing() {
+        let shown =
+            [32_947, 9_105, 1_000, 999_960, 950, 949, 12].map(|mw| about(Milliwatts::new(mw)));
+        assert_eq!(shown, ["32.9 W", "9.1 W", "1 W", "1000 W", "1 W", "949 mW", "12 mW"]);
+    }
 }

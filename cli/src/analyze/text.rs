@@ -118,7 +118,9 @@ fn usage(utilisation: &Utilisation) -> io::Result<()> {
         let supply = agent.supply.map_or_else(String::new, |supply| format!(" of {supply}"));
         let mut text = format!(
             "{}: at most {}{supply} at a time, {} on average",
-            agent.name, agent.peak, agent.average
+            agent.name,
+            agent.peak,
+            out::about(agent.average)
         );
         if let Some(at) = agent.exceeded {
             text +=
