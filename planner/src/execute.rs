@@ -27,6 +27,7 @@
 //! | `dispatch`, `ready` | planned starts, and what is checked |
 //! | `early` | starts before the planned one |
 //! | `exchange` | what goes in and what comes out |
+//! | `named` | named timelines |
 //! | `outlook` | limits on the projection |
 //! | `silence` | when nobody knows the charge |
 //! | `wishes` | when a new plan is wanted |
@@ -40,6 +41,7 @@ mod due;
 mod early;
 mod exchange;
 mod handover;
+mod named;
 mod outlook;
 mod ready;
 mod silence;
@@ -70,6 +72,8 @@ pub struct Control {
     options: Options,
     index: BTreeMap<ActivityId, usize>,
     state: State,
+    /// Values of named timelines, in thousandths.
+    named: BTreeMap<String, i64>,
     timed: TimedPlan,
     /// What is planned and has not started.
     planned: BTreeMap<ActivityId, Slot>,
@@ -132,6 +136,7 @@ impl Control {
         let now = state.now;
         let mut control = Self {
             index: book::index(&plan),
+            named: named::begin(&plan, &parameters, &state),
             plan,
             parameters,
             options,
@@ -167,7 +172,7 @@ impl Control {
     /// A look at each activity; for each that could start now, a projection of
     /// the charge.
     pub fn step(&mut self, now: Time, event: Event) -> Vec<Action> {
-        self.state.now = now;
+        self.pass(now);
         let all_is_said = matches!(event, Event::Tick);
         self.absorb(event);
         if !self.is_over {
@@ -210,6 +215,13 @@ impl Control {
     #[must_use]
     pub fn incumbent(&self) -> TimedPlan {
         self.with_pushed_starts()
+    }
+
+    /// Whether this plan has been timed: one that took over just now has not, and
+    /// a timed plan for it has no incumbent.
+    #[must_use]
+    pub const fn is_timed(&self) -> bool {
+        !self.is_untimed
     }
 
     /// Whether the plan has come to its end.

@@ -7,6 +7,7 @@ mod dispatch;
 mod early;
 mod fates;
 mod handover;
+mod named;
 mod physics;
 mod plans;
 mod sleeps;
@@ -43,6 +44,7 @@ pub fn check_trace(plan: &Plan, parameters: &Parameters, trace: &Trace) -> Vec<V
     all.extend(physics::check(plan, parameters, trace));
     all.extend(sleeps::check(plan, parameters, trace));
     all.extend(early::check(plan, parameters, trace));
+    all.extend(named::check(plan, parameters, trace));
     all.sort_by_key(|violation| (violation.at, violation.rule));
     all
 }

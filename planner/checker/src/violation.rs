@@ -139,6 +139,8 @@ rules! {
     TrueCharge = "the charge does not follow from what was drawn",
     /// Execution: the data on board are what was made and not sent.
     TrueData = "the data on board is not the sum of what was made and sent",
+    /// Execution: a plan is made from what timelines have become.
+    TimelinesTold = "a plan was made from other timelines than there were",
     /// Execution: what is recorded is in order of time.
     InOrder = "the record is not in order of time",
     /// Execution: every activity has one fate.

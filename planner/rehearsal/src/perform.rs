@@ -57,11 +57,13 @@ impl Host<'_, '_, '_> {
     }
 
     fn replan(&mut self, why: Vec<Why>, planner: &mut dyn Planner) -> Result<(), NotRehearsed> {
-        let incumbent = self.control.incumbent();
-        self.note_pushed(&incumbent);
+        let incumbent = self.control.is_timed().then(|| self.control.incumbent());
+        if let Some(incumbent) = &incumbent {
+            self.note_pushed(incumbent);
+        }
         let (plan, parameters) = (self.true_plan(), &self.setup.parameters);
         let state = Box::new(self.control.state().clone());
-        let timed = planner.plan(plan, parameters, &state, Some(&incumbent));
+        let timed = planner.plan(plan, parameters, &state, incumbent.as_ref());
         let timed = Box::new(timed.map_err(NotRehearsed::NoPlan)?);
         self.note(Happened::Planned { why, state, timed: timed.clone() });
         self.events.push_back(Event::Adopt(timed));

@@ -1,103 +1,21 @@
 //! Executions on the simulated rover: with the planner, on tickets, and held
 //! against the rules by the checker.
 
+mod support;
+
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use faregate_agents::Categories;
 use faregate_planner::execute::Options;
-use faregate_planner::parameters::{Load, Phase, PreheatRow, Zone};
-use faregate_planner::plan::{Dependency, Kind, Outcome, StartRange, Status};
-use faregate_planner::state::{Mode, State, Window};
+use faregate_planner::plan::{Dependency, Kind, Outcome, Status};
+use faregate_planner::state::{Mode, Window};
 use faregate_planner::trace::{Cause, Happened, Trace, Why};
-use faregate_planner::units::{Bytes, Ppm, Span, Time};
-use faregate_planner::{Activity, ActivityId, Parameters, Plan, Problem, TimedPlan, schedule};
+use faregate_planner::units::{Bytes, Span, Time};
+use faregate_planner::{Activity, ActivityId, Plan};
 use faregate_rehearsal::{Draw, Draws, Mishap, Odds, Script, Setup, Summary, Won, rehearse};
 use faregate_tickets::amount::{Microjoules, Milliwatts};
-
-fn planner(
-    plan: &Plan,
-    parameters: &Parameters,
-    state: &State,
-    incumbent: Option<&TimedPlan>,
-) -> Result<TimedPlan, String> {
-    let problem = Problem::new(plan, parameters, state).map_err(|unfit| format!("{unfit:?}"))?;
-    Ok(schedule(&problem, incumbent))
-}
-
-fn id(number: u32) -> ActivityId {
-    ActivityId::new(number).expect("not 0")
-}
-
-const fn min(minutes: i64) -> Time {
-    Time::new(minutes * 60_000)
-}
-
-const BIT: Categories = Categories::from_mask(1);
-
-/// A mandatory activity of 20 minutes that can start in the first five hours.
-fn activity(number: u32) -> Activity {
-    let starts = vec![StartRange { from: min(10), to: min(300), cutoff: min(400) }];
-    Activity {
-        starts,
-        sequence: Some(format!("drive {number}")),
-        priority: 200 - number,
-        marginal: Milliwatts::from_watts(30),
-        peak: Milliwatts::from_watts(60),
-        engines: 1,
-        resources: BIT,
-        ..Activity::new(id(number), Span::from_mins(20))
-    }
-}
-
-fn parameters() -> Parameters {
-    let load = |w| Load { marginal: Milliwatts::from_watts(w), peak: Milliwatts::from_watts(w) };
-    let phase = Phase { duration: Span::from_mins(5), load: load(60) };
-    let table = vec![PreheatRow { from: Span::ZERO, duration: Span::from_mins(20) }];
-    Parameters {
-        mandatory_from: 100,
-        soft_min_soc: Ppm::new(300_000),
-        hard_min_soc: Ppm::new(150_000),
-        max_soc: Ppm::new(950_000),
-        peak_limit: Milliwatts::from_watts(300),
-        engines: 8,
-        rtg: Milliwatts::from_watts(110),
-        base: Milliwatts::from_watts(50),
-        awake: load(80),
-        wakeup: phase,
-        shutdown: phase,
-        min_awake: Span::from_mins(10),
-        min_sleep: Span::from_mins(20),
-        zones: vec![Zone { name: "mast".into(), load: load(20), table }],
-        commit: Span::from_mins(2),
-        expansion_grace: Span::from_secs(60),
-        handover_tolerance: Span::from_secs(2),
-        soft_samples: 1,
-        ..Parameters::default()
-    }
-}
-
-fn setup(activities: Vec<Activity>) -> Setup {
-    let end = min(600);
-    let plan = Plan {
-        handover: end,
-        end,
-        max_delta_data: Bytes::new(1 << 40),
-        activities,
-        ..Plan::default()
-    };
-    let capacity = 3_600_000_000 * 500;
-    let state = State {
-        mode: Mode::Asleep,
-        mode_since: min(-60),
-        charge: Microjoules::new(capacity / 10 * 8),
-        capacity: Microjoules::new(capacity),
-        ..State::default()
-    };
-    let mut setup = Setup::new(Arc::new(plan), Arc::new(parameters()), state, 1);
-    setup.draws = Draws::default();
-    setup
-}
+use support::{BIT, activity, early, id, min, planner, setup, started, when};
 
 /// Executed, and no rule broken.
 fn executed(setup: &Setup) -> Trace {
@@ -107,20 +25,8 @@ fn executed(setup: &Setup) -> Trace {
     trace
 }
 
-fn when(trace: &Trace, is: impl Fn(&Happened) -> bool) -> Option<Time> {
-    trace.entries.iter().find(|entry| is(&entry.what)).map(|entry| entry.at)
-}
-
-fn started(trace: &Trace, number: u32) -> Option<Time> {
-    when(trace, |what| matches!(what, Happened::Dispatched(one) if one.id == id(number)))
-}
-
 fn ended(trace: &Trace, number: u32) -> Option<Time> {
     when(trace, |what| matches!(what, Happened::Ended { id: of, .. } if *of == id(number)))
-}
-
-fn early(share: u64) -> Draw {
-    Draw { length: share, ..Draw::AS_PLANNED }
 }
 
 #[test]
@@ -295,4 +201,97 @@ fn bad_days_break_no_rule() {
     }
     let aborted: u64 = sum.aborted.values().sum();
     assert!(aborted > 0 && sum.early_starts > 0 && sum.failed > 0, "{sum:?}");
+}
+
+/// A gauge that is silent, while the charge falls below the hard limit.
+fn falls_in_silence() -> Setup {
+    let mut setup = setup(vec![Activity { duration: Span::from_mins(60), ..activity(1) }]);
+    let at = started(&executed(&setup), 1).expect("it starts").after(Span::from_mins(3));
+    let energy = Microjoules::new(setup.state.capacity.get() / 100 * 70);
+    let until = at.after(Span::from_mins(50));
+    setup.script = Script(vec![
+        Mishap::SensorsSilent { from: at, until },
+        Mishap::Discharge { at: at.after(Span::from_secs(1)), energy },
+    ]);
+    setup
+}
+
+#[test]
+fn when_the_gauge_is_silent_for_too_long_what_draws_is_aborted() {
+    let setup = falls_in_silence();
+    let trace = executed(&setup);
+    let (place, cause) = aborted(&trace, 1).expect("nobody knows the charge");
+    assert_eq!(cause, Cause::ChargeUnknown);
+    let Mishap::Discharge { at, .. } = setup.script.0[1] else { panic!("it is one") };
+    let blind = trace.entries[place].at.since(at);
+    assert!(blind <= trace.charge_lag, "{blind}");
+}
+
+#[test]
+fn who_trusts_an_estimate_for_hours_runs_on_at_the_hard_limit_and_is_caught() {
+    let mut setup = falls_in_silence();
+    let trusted = setup.options.charge_holds;
+    setup.options.charge_holds = Span::from_mins(200);
+    let mut trace = rehearse(&setup, &mut planner).expect("there is a plan");
+    assert_eq!(aborted(&trace, 1), None, "it does not know better");
+    let rules = |trace: &Trace| -> Vec<_> {
+        let wrong = faregate_checker::check_trace(&setup.plan, &setup.parameters, trace);
+        wrong.into_iter().map(|violation| violation.rule).collect()
+    };
+    // What was promised to be trusted no longer than usual.
+    trace.charge_lag = Span::new(trusted.get() + 2_000);
+    trace.charge_holds = Some(trusted);
+    let found = rules(&trace);
+    for rule in [faregate_checker::Rule::RanAtHardLimit, faregate_checker::Rule::RanBlind] {
+        assert!(found.contains(&rule), "{rule:?}: {found:?}");
+    }
+}
+
+#[test]
+fn the_next_plan_takes_over_and_is_executed_to_its_end() {
+    let mut setup = setup(vec![activity(1), activity(2)]);
+    let first = Plan::clone(&setup.plan);
+    let at = started(&executed(&setup), 1).expect("it starts").after(Span::from_mins(5));
+    setup.plan = Arc::new(Plan { handover: at, next_plan: Some("next".into()), ..first.clone() });
+    let next = Plan { end: min(700), handover: min(700), activities: vec![activity(7)], ..first };
+    let trace = executed(&setup.followed_by(Arc::new(next)));
+    assert_eq!(trace.end, min(700));
+    let took_over = |what: &Happened| matches!(what, Happened::HandedOver(_));
+    assert_eq!(when(&trace, took_over), Some(at));
+    assert!(ended(&trace, 1) > Some(at), "what runs stays");
+    assert!(started(&trace, 7) > Some(at));
+    assert_eq!(started(&trace, 2), None, "what had not begun is dropped");
+}
+
+#[test]
+fn a_rover_that_sleeps_at_handover_is_woken_to_time_the_next_plan() {
+    let mut setup = setup(vec![activity(1)]);
+    let first = Plan::clone(&setup.plan);
+    setup.plan =
+        Arc::new(Plan { handover: min(200), next_plan: Some("next".into()), ..first.clone() });
+    let mut later = activity(7);
+    later.starts[0].to = min(500);
+    later.starts[0].cutoff = min(550);
+    let next = Plan { activities: vec![later], ..first };
+    let trace = executed(&setup.followed_by(Arc::new(next)));
+    let entries = trace.entries.iter();
+    let up = entries.filter(|entry| entry.what == Happened::Mode(Mode::WakingUp));
+    assert!(up.into_iter().any(|entry| entry.at == min(200)));
+    assert!(started(&trace, 7).is_some());
+}
+
+/// As many as `EXECUTIONS` says: each seed is another world.
+#[test]
+fn random_executions_break_no_rule() {
+    let executions = std::env::var("EXECUTIONS").ok().and_then(|text| text.parse().ok());
+    let mut sum = Summary::default();
+    for seed in 0..executions.unwrap_or(60) {
+        let setup = Setup::random(seed);
+        let trace = rehearse(&setup, &mut planner).expect("there is a plan");
+        let wrong = faregate_checker::check_trace(&setup.plan, &setup.parameters, &trace);
+        let wrong: Vec<_> = wrong.iter().map(ToString::to_string).collect();
+        assert_eq!(wrong, [""; 0], "seed {seed}");
+        sum.add(&Summary::of(&setup.plan, &trace));
+    }
+    assert!(sum.succeeded > 0 && sum.failed > 0 && sum.handovers > 0, "{sum:?}");
 }

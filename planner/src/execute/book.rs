@@ -52,6 +52,7 @@ impl Control {
         let (started, ended) = (Some(running.started), self.now());
         self.state.ended.push(Ended { id, outcome, started, ended, data });
         self.told.remove(&id);
+        self.changes_at_end(id);
         if ended < running.ends {
             self.freed = true;
             self.wish(Why::EndedEarly(id));

@@ -81,6 +81,7 @@ impl Control {
             paused: None,
             data: Bytes::ZERO,
         });
+        self.changes_at_start(id);
         self.actions.push(Action::Start(Start { id, slot, early }));
         if early {
             self.wish(Why::StartedEarly(id));

@@ -2,6 +2,7 @@
 
 use super::Control;
 use crate::plan::ActivityId;
+use crate::state::Mode;
 use crate::timed::Slot;
 use crate::units::{Span, Time};
 
@@ -18,8 +19,10 @@ impl Control {
         instants
             .extend(self.planned_at.get().checked_add(self.options.period.get()).map(Time::new));
         instants.push(self.looked_at_again());
-        instants.push(self.charge_is_known_until());
-        instants.extend(self.looks_again_from());
+        if self.state.mode == Mode::Awake {
+            instants.push(self.charge_is_known_until());
+        }
+        instants.extend(self.looks_again_from().filter(|_| self.is_untimed));
         self.of_activities(&mut instants);
         self.of_running(&mut instants);
         self.of_computer(&mut instants);

@@ -64,7 +64,10 @@ impl Control {
             warm: &|zone| self.is_warm(zone),
             spent: self.spent,
         };
-        look.ready(id, slot, early)
+        let slot = look.ready(id, slot, early)?;
+        let agrees = self.activity(id).map(|activity| self.timelines_agree(activity, early));
+        agrees.unwrap_or(Ok(())).map_err(NotReady::Limit)?;
+        Ok(slot)
     }
 }
 

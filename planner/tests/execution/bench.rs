@@ -75,6 +75,11 @@ pub(crate) fn parameters() -> Parameters {
     }
 }
 
+/// Estimates hold for ever: most tests need none.
+pub(crate) fn options() -> Options {
+    Options { charge_holds: Span::new(i64::MAX), ..Options::default() }
+}
+
 pub(crate) struct Bench {
     pub(crate) control: Control,
     /// Whose tickets were asked for.
@@ -85,7 +90,7 @@ impl Bench {
     /// Activities with their planned starts, in minutes; the computer is up all
     /// the time.
     pub(crate) fn new(activities: Vec<(Activity, i64)>) -> Self {
-        Self::with(activities, parameters(), Options::default(), |_, _| ())
+        Self::with(activities, parameters(), options(), |_, _| ())
     }
 
     pub(crate) fn with(

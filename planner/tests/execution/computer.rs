@@ -1,14 +1,14 @@
 //! Slides "Planner wakeup, awake, shutdown" and "Preheat": what the planner
 //! generated, as it becomes due.
 
-use faregate_planner::execute::{Action, Event, Options};
+use faregate_planner::execute::{Action, Event};
 use faregate_planner::plan::Outcome;
 use faregate_planner::state::Mode;
 use faregate_planner::timed::{AwakePhase, Preheat, TimedPlan};
 use faregate_planner::units::Span;
 use faregate_planner::{Activity, Plan};
 
-use crate::bench::{Bench, activity, min, parameters};
+use crate::bench::{Bench, activity, min, options, parameters};
 
 const FIVE: Span = Span::from_mins(5);
 
@@ -24,7 +24,7 @@ fn sleeps(_: &mut Plan, timed: &mut TimedPlan) {
 }
 
 fn bench(activities: Vec<(Activity, i64)>) -> Bench {
-    Bench::with(activities, parameters(), Options::default(), sleeps)
+    Bench::with(activities, parameters(), options(), sleeps)
 }
 
 #[test]
@@ -69,7 +69,7 @@ fn zones_are_heated_as_planned() {
         sleeps(plan, timed);
         timed.preheats = vec![Preheat { zone: "mast".into(), start: min(2), end: min(20) }];
     };
-    let mut bench = Bench::with(Vec::new(), parameters(), Options::default(), heated);
+    let mut bench = Bench::with(Vec::new(), parameters(), options(), heated);
     let heat = |on| Action::Heat { zone: "mast".into(), on };
     assert!(bench.tick(min(2)).contains(&heat(true)));
     assert_eq!(bench.control.state().heating.get("mast"), Some(&min(2)));

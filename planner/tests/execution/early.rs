@@ -2,14 +2,14 @@
 //! finishes early.
 
 use faregate_agents::Categories;
-use faregate_planner::execute::{Action, Options};
+use faregate_planner::execute::Action;
 use faregate_planner::plan::{Outcome, StartRange};
 use faregate_planner::timed::TimedPlan;
 use faregate_planner::trace::Why;
 use faregate_planner::units::Span;
 use faregate_planner::{Activity, Plan, execute::Event};
 
-use crate::bench::{Bench, activity, asks, id, is_started, min, parameters, watts};
+use crate::bench::{Bench, activity, asks, id, is_started, min, options, parameters, watts};
 
 const BIT: Categories = Categories::from_mask(1);
 
@@ -90,7 +90,7 @@ fn not_where_the_sum_of_peaks_would_be_too_much() {
 #[test]
 fn not_where_the_computer_is_to_go_to_sleep_before_it_would_end() {
     let sleepy = |_: &mut Plan, timed: &mut TimedPlan| timed.awake[0].down = min(12);
-    let mut bench = Bench::with(pair(), parameters(), Options::default(), sleepy);
+    let mut bench = Bench::with(pair(), parameters(), options(), sleepy);
     bench.starts(1, min(0));
     assert!(!asks(&bench.ends(1, min(6), Outcome::Succeeded), 2));
 }

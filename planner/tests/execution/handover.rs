@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use faregate_planner::Plan;
-use faregate_planner::execute::{Action, Event, Options};
+use faregate_planner::execute::{Action, Event};
 use faregate_planner::trace::Unstarted;
 
-use crate::bench::{Bench, END, activity, asks, id, min, parameters};
+use crate::bench::{Bench, END, activity, asks, id, min, options, parameters};
 
 fn before_handover() -> Bench {
     let hands_over = |plan: &mut Plan, _: &mut _| {
@@ -16,7 +16,7 @@ fn before_handover() -> Bench {
     let mut first = activity(1);
     first.duration = faregate_planner::units::Span::from_mins(30);
     let activities = vec![(first, 50), (activity(2), 90)];
-    let mut bench = Bench::with(activities, parameters(), Options::default(), hands_over);
+    let mut bench = Bench::with(activities, parameters(), options(), hands_over);
     bench.starts(1, min(50));
     bench
 }

@@ -8,3 +8,4 @@ mod dispatch;
 mod early;
 mod handover;
 mod pauses;
+mod silence;

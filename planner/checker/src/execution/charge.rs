@@ -24,7 +24,7 @@ pub(super) fn check(plan: &Plan, parameters: &Parameters, trace: &Trace) -> Vec<
     let least = |ppm: Ppm| i128::from(ppm.get()) * capacity / 1_000_000;
     let hard = told_below(trace, least(parameters.hard_min_soc), 1);
     let soft = told_below(trace, least(parameters.soft_min_soc), parameters.soft_samples.max(1));
-    let truly = truly_below(trace, least(parameters.hard_min_soc));
+    let truly = truly_below(parameters, trace, capacity, least(parameters.hard_min_soc));
     let mut wrong = Vec::new();
     for Worked { id, activity, from, to } in worked(plan, trace) {
         if activity.marginal.is_zero() {
@@ -108,16 +108,14 @@ fn told_below(trace: &Trace, least: i128, samples: u32) -> Vec<(i64, i64)> {
 
 /// From when to when the true charge was below `least` by more than its
 /// estimate can be wrong: each begins later by the time that an estimate takes.
-fn truly_below(trace: &Trace, least: i128) -> Vec<(i64, i64)> {
+fn truly_below(
+    parameters: &Parameters,
+    trace: &Trace,
+    capacity: i128,
+    least: i128,
+) -> Vec<(i64, i64)> {
     let least = least - i128::from(trace.charge_noise.get());
-    let truths: Vec<(i64, i128)> = trace
-        .entries
-        .iter()
-        .filter_map(|entry| match &entry.what {
-            Happened::Truth(truth) => Some((entry.at.get(), i128::from(truth.charge.get()))),
-            _ => None,
-        })
-        .collect();
+    let truths = points(parameters, trace, capacity);
     let mut stretches: Vec<(i64, i64)> = Vec::new();
     for pair in truths.windows(2) {
         let Some((from, to)) = below(pair[0], pair[1], least) else { continue };
@@ -129,6 +127,40 @@ fn truly_below(trace: &Trace, least: i128) -> Vec<(i64, i64)> {
     let lag = trace.charge_lag.get();
     let late = stretches.into_iter().map(|(from, to)| (from + lag, to));
     late.filter(|(from, to)| from < to).collect()
+}
+
+/// The true charge: straight lines between these. It is told where loads change;
+/// where something is lost at once, and where it is full or flat, it is worked
+/// out.
+fn points(parameters: &Parameters, trace: &Trace, capacity: i128) -> Vec<(i64, i128)> {
+    let [rtg, base] = [parameters.rtg, parameters.base].map(|w| i128::from(w.get()));
+    let mut points: Vec<(i64, i128)> = Vec::new();
+    let mut net = 0;
+    for entry in &trace.entries {
+        let at = entry.at.get();
+        let (lost, told) = match &entry.what {
+            Happened::Truth(truth) => (0, Some(truth)),
+            Happened::Lost(energy) => (i128::from(energy.get()), None),
+            _ => continue,
+        };
+        if let Some((since, charge)) = points.last().copied() {
+            let free = charge + net * i128::from(at - since);
+            let held = free.clamp(0, capacity);
+            if free != held {
+                let ms = i64::try_from((held - charge) / net).unwrap_or(0);
+                points.push((since + ms, held));
+            }
+            points.push((at, held));
+            if told.is_none() {
+                points.push((at, (held - lost).max(0)));
+            }
+        }
+        if let Some(truth) = told {
+            net = rtg - base - i128::from(truth.load.get());
+            points.push((at, i128::from(truth.charge.get())));
+        }
+    }
+    points
 }
 
 /// Where a straight line between two points is below `least`: the instants are

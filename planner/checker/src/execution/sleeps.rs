@@ -1,5 +1,6 @@
 //! Sleeps: a wakeup that was planned comes after a sleep that was worth it. One
-//! that a window, the ground's own shutdown or a handover wants may come sooner.
+//! that a window, the ground's own shutdown or a handover wants may come sooner,
+//! and so may the end of a sleep that was in progress when all began.
 
 use faregate_planner::plan::Kind;
 use faregate_planner::state::Mode;
@@ -13,12 +14,17 @@ pub(super) fn check(plan: &Plan, parameters: &Parameters, trace: &Trace) -> Vec<
     let mut plan = plan;
     let mut timed: Option<&TimedPlan> = None;
     let mut asleep: Option<Time> = None;
+    let mut was_up = false;
     let mut wrong = Vec::new();
     for entry in &trace.entries {
         match &entry.what {
-            Happened::Planned { timed: new, .. } => timed = Some(new),
+            Happened::Planned { state, timed: new, .. } => {
+                was_up |= state.mode == Mode::Awake;
+                timed = Some(new);
+            }
             Happened::HandedOver(next) => (plan, timed) = (next, None),
-            Happened::Mode(Mode::Asleep) => asleep = Some(entry.at),
+            Happened::Mode(Mode::Awake) => was_up = true,
+            Happened::Mode(Mode::Asleep) => asleep = was_up.then_some(entry.at),
             Happened::Mode(Mode::WakingUp) => {
                 let planned = timed.is_some_and(|timed| is_planned(timed, entry.at));
                 let slept = asleep.take().map(|since| entry.at.since(since));

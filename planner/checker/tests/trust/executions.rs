@@ -1,6 +1,7 @@
 //! Executions in which all goes as planned, and what can be wrong with them.
 
 pub(crate) mod changes;
+pub(crate) mod physics;
 
 use faregate_checker::{Rule, Violation, check_trace};
 use faregate_planner::plan::{Kind, Outcome};

@@ -4,7 +4,7 @@ use faregate_checker::Rule;
 
 use super::Entry;
 use super::Mutant::Executed;
-use crate::executions::changes as executions;
+use crate::executions::{changes as executions, physics};
 
 /// Which rule catches which mutant.
 pub(super) const MUTANTS: &[Entry] = &[
@@ -29,6 +29,15 @@ pub(super) const MUTANTS: &[Entry] = &[
     (Rule::CleanupAfter, "cleans up for nothing", Executed(executions::cleans_up)),
     (Rule::RanGroup, "starts two of a group", Executed(executions::two_of_a_group)),
     (Rule::Recommitted, "replans at once", Executed(executions::recommitted)),
+    (Rule::RanBlind, "trusts an old estimate", Executed(physics::trusts_old)),
+    (Rule::EarlyBeside, "starts early at any price", Executed(physics::early_in_the_way)),
+    (Rule::SleptTooShort, "sleeps 1 ms short", Executed(physics::short_sleep)),
+    (Rule::TookOver, "forgets the next plan", Executed(physics::forgets_next)),
+    (Rule::TookOver, "hands over 1 ms late", Executed(physics::hands_over_late)),
+    (Rule::TrueLoad, "draws 1 mW asleep", Executed(physics::draws_asleep)),
+    (Rule::TrueCharge, "loses 1 mJ", Executed(physics::loses_charge)),
+    (Rule::TrueData, "loses 1 B", Executed(physics::loses_data)),
+    (Rule::TimelinesTold, "plans with what was", Executed(physics::old_timelines)),
     (Rule::InOrder, "records late", Executed(executions::out_of_order)),
     (Rule::Fate, "loses one", Executed(executions::loses_one)),
     (Rule::Fate, "starts one twice", Executed(executions::twice)),
