@@ -10,10 +10,12 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use faregate_checker::Violation;
 use faregate_planner::execute::Options;
 use faregate_planner::picture::{self, Scene};
 use faregate_planner::project::project;
 use faregate_planner::trace::{Happened, Trace};
+use faregate_planner::words::Words;
 use faregate_planner::{Parameters, Plan, Problem, State, TimedPlan, schedule};
 use faregate_rehearsal::{Setup, Summary, Won, rehearse, rehearse_watched};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -166,7 +168,14 @@ impl Progress {
 
 fn violations(setup: &Setup, trace: &Trace) -> Vec<String> {
     let found = faregate_checker::check_trace(&setup.plan, &setup.parameters, trace);
-    found.iter().map(ToString::to_string).collect()
+    let words = Words::new(&setup.plan, &setup.parameters);
+    // With times of day, as in the lines above them.
+    let said = |one: &Violation| {
+        let text = one.to_string();
+        let rest = text.strip_prefix(&format!("at {}", one.at)).unwrap_or_default();
+        format!("at {}{rest}", words.time(one.at))
+    };
+    found.iter().map(said).collect()
 }
 
 /// What happened, over what was planned at first.

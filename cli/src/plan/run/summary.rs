@@ -40,6 +40,7 @@ pub(super) fn verdict<'v>(
     }
     match count {
         0 => out::line(out::styled(GOOD, "checked: no rule was broken")),
+        1 => out::line(out::styled(BAD, "checked: 1 violation")),
         count => out::line(out::styled(BAD, format_args!("checked: {count} violations"))),
     }
 }
