@@ -188,10 +188,7 @@ impl Pass<'_> {
             let (limit, at) = (limit(kind), Time::new(at));
             // Of the peak, timelines know what activities have in it: less than
             // the whole, but who they are.
-            let with = match all.get(&limit) {
-                Some(Reason::Limit { with, .. }) => *with,
-                _ => None,
-            };
+            let with = if limit == Limit::Peak { self.timelines.strongest(at) } else { None };
             if limit != Limit::Computer || !all.contains_key(&limit) {
                 all.insert(limit.clone(), Reason::Limit { limit, at, amount, with });
             }

@@ -111,6 +111,13 @@ impl Timelines {
         Some(conflict(Limit::Timeline(named.name.clone()), breach, with))
     }
 
+    /// The activity with the highest peak of those that are placed over an
+    /// instant.
+    pub(crate) fn strongest(&self, at: Time) -> Option<ActivityId> {
+        let running = self.running(at.get()).filter(|claim| claim.peak > 0);
+        running.filter(|claim| claim.id.is_some()).max_by_key(|claim| claim.peak)?.id
+    }
+
     /// What is placed over an instant.
     fn running(&self, at: i64) -> impl Iterator<Item = &Claim> {
         self.under(at).map(|(_, claim)| claim)

@@ -7,14 +7,23 @@ use crate::units::{Ppm, Time};
 use crate::words::{Words, amount, span};
 
 impl Words<'_> {
-    /// The smallest change of one number, and the start that it allows.
+    /// Each change of one number, and the start that it allows; then what is in
+    /// the way besides, and needs more than that.
     #[must_use]
-    pub fn relaxation(&self, relaxation: &Relaxation) -> String {
-        let Some(change) = &relaxation.change else {
-            return format!("no change of {} alone", self.limit(&relaxation.limit));
-        };
-        let changed = self.changed(&relaxation.limit, change);
-        format!("{changed}; starts at {}", self.time(change.start))
+    pub fn relaxations(&self, all: &[Relaxation]) -> Vec<String> {
+        let helps = all.iter().filter_map(|one| Some((&one.limit, one.change.as_ref()?)));
+        let mut said: Vec<String> = helps
+            .map(|(limit, change)| {
+                let start = self.time(change.start);
+                format!("{}; starts at {start}", self.changed(limit, change))
+            })
+            .collect();
+        let others = all.iter().filter(|one| one.change.is_none());
+        let others: Vec<_> = others.map(|one| self.limit(&one.limit)).collect();
+        if !others.is_empty() {
+            said.push(format!("a change of {} alone is not enough", others.join(" or of ")));
+        }
+        said
     }
 
     fn changed(&self, limit: &Limit, change: &Change) -> String {
@@ -120,8 +129,8 @@ mod tests {
         let (start, until) = (Time::new(36_000_000), Some(Time::new(37_200_000)));
         let change = Change { number, by, start, with: Some(id), until };
         let relaxation = Relaxation { limit, change: Some(change) };
-        let said = Words::new(&plan, &parameters).relaxation(&relaxation);
-        said.strip_suffix("; starts at 10:00").expect("it says when").to_owned()
+        let said = Words::new(&plan, &parameters).relaxations(&[relaxation]);
+        said[0].strip_suffix("; starts at 10:00").expect("it says when").to_owned()
     }
 
     #[test]
@@ -170,8 +179,9 @@ mod tests {
     #[test]
     fn what_no_single_change_helps_says_so() {
         let (plan, parameters) = (Plan::default(), Parameters::default());
-        let alone = Relaxation { limit: Limit::Peak, change: None };
-        let said = Words::new(&plan, &parameters).relaxation(&alone);
-        assert_eq!(said, "no change of peak power alone");
+        let alone = |limit| Relaxation { limit, change: None };
+        let all = [alone(Limit::Peak), alone(Limit::Resources(8))];
+        let said = Words::new(&plan, &parameters).relaxations(&all);
+        assert_eq!(said, ["a change of peak power or of resource 3 alone is not enough"]);
     }
 }

@@ -46,7 +46,7 @@ pub(crate) struct PlanMakeArgs {
 const MAKE_HELP: &str = "\
 Exit codes:
   0  every mandatory activity is scheduled
-  1  a file cannot be read, or has mistakes
+  1  a file cannot be read, or has mistakes, or the plan breaks a rule
   2  some mandatory activities are left out (or wrong usage)
 
 Nothing is missed where a cleanup waits for a failure, or where another member

@@ -85,10 +85,7 @@ pub(super) fn explanations(
         out.contains(&id)
     });
     patience.bar.finish_and_clear();
-    let said = explained.iter().map(|one| {
-        let said = one.relaxations.iter().map(|relaxation| words.relaxation(relaxation));
-        (one.id, said.collect::<Vec<_>>())
-    });
+    let said = explained.iter().map(|one| (one.id, words.relaxations(&one.relaxations)));
     said.filter(|(_, said)| !said.is_empty()).collect()
 }
 
