@@ -24,6 +24,8 @@
 //! `docs/plan-format.md` is the reference.
 
 pub mod binary;
+#[cfg(test)]
+mod broken;
 mod check;
 mod difference;
 mod fields;

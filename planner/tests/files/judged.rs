@@ -165,3 +165,26 @@ fn a_plan_and_a_state_are_judged_together() {
     let large = judged("capacity=\"2400 Wh\"", "capacity=\"2562047788 Wh\"");
     assert!(large[0].contains("the three together: energy: so large that sums"), "{large:?}");
 }
+
+#[test]
+fn sums_that_could_overflow_are_refused_when_a_file_is_read() {
+    let names = parameters();
+    let told = |from: &str, to: &str| {
+        let text = with(PLAN, &[(from, to)]);
+        let found = file::plan("plan.xml", text.as_bytes(), Some(&names)).err().unwrap_or_default();
+        found.iter().filter(|one| one.is_error()).map(ToString::to_string).collect::<Vec<_>>()
+    };
+    // Each by itself could be counted, and all together not.
+    let peak = |mw: u64| format!("peak=\"{}.{:03} W\"", mw / 1_000, mw % 1_000);
+    let others = other_peaks();
+    let most = u64::try_from(i64::MAX).expect("it is positive") - others;
+    assert_eq!(told("peak=\"220 W\"", &peak(most)), [""; 0]);
+    let [found] = <[String; 1]>::try_from(told("peak=\"220 W\"", &peak(most + 1))).expect("one");
+    assert!(found.contains("the sum of all peaks is too large to be counted"), "{found}");
+}
+
+/// What all activities of the plan but the one of 220 W draw at most.
+fn other_peaks() -> u64 {
+    let all = plan().activities.into_iter().map(|one| one.peak.get());
+    all.sum::<u64>() - 220_000
+}
