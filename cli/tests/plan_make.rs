@@ -99,7 +99,7 @@ fn an_explanation_says_what_would_let_it_in_and_it_does() {
     let scratch = Scratch::new();
     let crowded = plan(&[arm(1, "place", 90), arm(2, "brush", 80)]);
     let said = make(&scratch, &crowded, &["--explain"]);
-    let line = "brush: without arm, held by place until 10:30; starts at 10:10";
+    let line = "brush: without arm, held by place until 10:40; starts at 10:10";
     assert!(said.out.contains(line), "{}", said.out);
     let dropped = crowded.rsplit_once("<uses resource=\"arm\"/>").expect("it uses the arm");
     let without = [dropped.0, dropped.1].concat();
