@@ -6,6 +6,7 @@ mod computer;
 mod happened;
 mod lane;
 mod legend;
+mod notices;
 mod panel;
 mod panels;
 mod pen;
@@ -13,13 +14,13 @@ mod rows;
 mod scale;
 
 use svg::Document;
-use svg::node::element::{Definitions, Description, Group, Title};
+use svg::node::element::Group;
 
 use crate::parameters::Parameters;
 use crate::picture::lane::Place;
 use crate::picture::pen::{
-    EDGE, GREY, INK, MANDATORY, OPTIONAL, RULE, SHADE, TEXT, bar, haloed, length, line, note,
-    shortened, stripes, text, tip,
+    EDGE, GREY, INK, MANDATORY, MARGIN, OPTIONAL, RULE, SHADE, bar, haloed, length, line, more,
+    note, sheet, shortened, text, tip,
 };
 use crate::picture::rows::{Row, rows};
 use crate::picture::scale::Scale;
@@ -51,9 +52,10 @@ const WIDTH: f64 = 1_200.0;
 /// Where the scale begins and ends.
 const LEFT: f64 = 262.0;
 const RIGHT: f64 = WIDTH - 50.0;
-const MARGIN: f64 = 18.0;
 /// The title, what is said below it, the legend and the instants' names.
 const HEAD: f64 = 106.0;
+/// The first line below what is said of the whole.
+const NOTICES: f64 = 65.0;
 /// The numbers of the scale, above and below.
 const NUMBERS: f64 = 24.0;
 const HEADING: f64 = 22.0;
@@ -67,7 +69,8 @@ const GAP: f64 = 12.0;
 pub fn draw(scene: &Scene<'_>) -> String {
     let (from, until) = extent(scene);
     let scale = Scale::new(from, until, (LEFT, RIGHT));
-    let picture = Picture { scene, rows: rows(scene), panels: panels::panels(scene), scale };
+    let (rows, panels) = (rows(scene), panels::panels(scene));
+    let picture = Picture { scene, notices: notices::notices(scene), rows, panels, scale };
     format!("{}\n", picture.document())
 }
 
@@ -84,6 +87,7 @@ fn extent(scene: &Scene<'_>) -> (Time, Time) {
 
 struct Picture<'a> {
     scene: &'a Scene<'a>,
+    notices: Vec<String>,
     rows: Vec<Row>,
     panels: Vec<panel::Panel>,
     scale: Scale,
@@ -91,32 +95,16 @@ struct Picture<'a> {
 
 impl Picture<'_> {
     fn document(&self) -> Document {
-        let first = HEAD + NUMBERS;
+        let first = self.head() + NUMBERS;
         let rows = first + 2.0 * BAND + 6.0;
         let panels = rows + self.rows.iter().map(|row| self.height(row)).sum::<f64>() + GAP;
         let last = panels + self.panels.iter().map(|panel| panel.height + GAP).sum::<f64>() - GAP;
         let height = last + NUMBERS + MARGIN;
         let title = if self.scene.plan.name.is_empty() { "Plan" } else { &self.scene.plan.name };
-        let about = self.about();
-        let frame = bar((0.5, WIDTH - 0.5), 0.5, height - 1.0, "white");
-        Document::new()
-            .set("viewBox", (0, 0, WIDTH, height))
-            .set("width", WIDTH)
-            .set("height", height)
-            .set("role", "img")
-            .set("font-family", "Helvetica, Arial, 'Liberation Sans', sans-serif")
-            .set("font-size", TEXT)
-            .add(Title::new(title))
-            .add(Description::new().add(svg::node::Text::new(&about)))
-            .add(
-                Definitions::new()
-                    .add(stripes("more-mandatory", MANDATORY))
-                    .add(stripes("more-optional", OPTIONAL)),
-            )
-            .add(frame.set("rx", 8).set("stroke", EDGE))
-            .add(text(MARGIN, 30.0, title).set("font-size", 17).set("font-weight", "bold"))
-            .add(text(MARGIN, 48.0, &about).set("fill", GREY))
-            .add(legend::draw(&self.rows, (MARGIN, 70.0)))
+        let patterns = [more("more-mandatory", MANDATORY), more("more-optional", OPTIONAL)];
+        sheet((WIDTH, height), (title, &self.about()), patterns)
+            .add(notices::draw(&self.notices, (MARGIN, NOTICES)))
+            .add(legend::draw(&self.rows, (MARGIN, self.head() - 36.0)))
             .add(self.shades(rows))
             .add(computer::shades(self.scene, (first, panels - GAP), &self.scale))
             .add(self.grid(first, panels - GAP, last))
@@ -124,6 +112,11 @@ impl Picture<'_> {
             .add(self.lanes(rows))
             .add(self.curves(panels))
             .add(self.instants(first, last))
+    }
+
+    /// What stands above the scale.
+    fn head(&self) -> f64 {
+        HEAD + notices::height(&self.notices)
     }
 
     fn about(&self) -> String {

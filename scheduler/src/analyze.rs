@@ -22,6 +22,7 @@
 mod collide;
 mod explain;
 mod gantt;
+pub mod pen;
 mod phase;
 mod problems;
 mod report;

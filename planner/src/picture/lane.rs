@@ -187,12 +187,7 @@ fn ending(group: Group, ending: Ending, x: f64, (top, height): (f64, f64)) -> Gr
 }
 
 /// To the right, or to the left where the picture ends.
-fn beside(
-    words: &str,
-    (from, until): (f64, f64),
-    place: Place,
-    scale: &Scale,
-) -> svg::node::element::Text {
+fn beside(words: &str, (from, until): (f64, f64), place: Place, scale: &Scale) -> Group {
     let y = place.middle() + 3.7;
     if until + 10.0 + length(words) <= scale.right {
         return haloed(until + 9.0, y, words);

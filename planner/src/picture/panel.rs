@@ -3,7 +3,8 @@
 use svg::node::element::Group;
 
 use crate::picture::pen::{
-    BAD, CURVE, EDGE, GREY, NIGHT, RULE, SMALL, bar, curve, line, note, shape, text,
+    BAD, CURVE, EDGE, GREY, NIGHT, RULE, SMALL, bar, curve, length, line, note, shape, shortened,
+    text,
 };
 use crate::picture::scale::{Scale, float};
 use crate::units::Time;
@@ -11,9 +12,11 @@ use crate::units::Time;
 /// What is drawn.
 #[derive(Clone, Debug)]
 pub(super) struct Panel {
-    pub(super) title: &'static str,
+    pub(super) title: String,
     /// What the numbers count.
     pub(super) unit: &'static str,
+    /// Whether they count what has no parts.
+    pub(super) whole: bool,
     pub(super) height: f64,
     pub(super) points: Vec<(Time, f64)>,
     /// Whether values change at once.
@@ -71,7 +74,8 @@ pub(super) fn draw(
     let group = frame.numbers(group);
     let group = frame.curves(group);
     let group = frame.limits(group, label);
-    let title = text(label.0, top + 14.0, panel.title).set("font-weight", "bold");
+    let title = shortened(&panel.title, label.1 - label.0 - frame.names());
+    let title = text(label.0, top + 14.0, &title).set("font-weight", "bold");
     let unit = text(label.0, top + 29.0, panel.unit).set("fill", GREY).set("font-size", SMALL);
     group.add(title).add(unit)
 }
@@ -83,6 +87,12 @@ impl Frame<'_> {
         self.top + self.panel.height - part * (self.panel.height - AIR)
     }
 
+    /// How much room the names of its limits take.
+    fn names(&self) -> f64 {
+        let names = self.panel.limits.iter().map(|limit| length(&limit.words));
+        names.fold(0.0, f64::max)
+    }
+
     fn bottom(&self) -> f64 {
         self.top + self.panel.height
     }
@@ -90,13 +100,14 @@ impl Frame<'_> {
     /// Round numbers on the right, and faint lines.
     fn numbers(&self, group: Group) -> Group {
         let scale = self.scale;
-        let group = numbers(self.panel.range).into_iter().fold(group, |group, value| {
-            let y = self.place(value);
-            let number = text(scale.right + 6.0, y + 3.5, &shown(value));
-            group
-                .add(line((scale.left, y), (scale.right, y), RULE))
-                .add(number.set("fill", GREY).set("font-size", SMALL))
-        });
+        let group =
+            numbers(self.panel.range, self.panel.whole).into_iter().fold(group, |group, value| {
+                let y = self.place(value);
+                let number = text(scale.right + 6.0, y + 3.5, &shown(value));
+                group
+                    .add(line((scale.left, y), (scale.right, y), RULE))
+                    .add(number.set("fill", GREY).set("font-size", SMALL))
+            });
         [self.top, self.bottom()]
             .into_iter()
             .fold(group, |group, y| group.add(line((scale.left, y), (scale.right, y), EDGE)))
@@ -142,11 +153,13 @@ impl Frame<'_> {
         let mut limits: Vec<&Line> = self.panel.limits.iter().collect();
         limits.sort_by(|a, b| b.value.total_cmp(&a.value));
         let mut group = group;
-        for limit in limits {
+        for (nth, limit) in limits.iter().enumerate() {
             let y = self.place(limit.value);
             group = self.limit(group, limit, y);
-            // Names that would lie on each other move down.
-            let named = (y + 3.5).max(free);
+            // Names that would lie on each other move down, and those below the
+            // panel up.
+            let below = limits.iter().skip(nth + 1).map(|_| 12.0).sum::<f64>();
+            let named = (y + 3.5).min(self.bottom() + 3.5 - below).max(free);
             free = named + 12.0;
             group = group.add(note(label.1, named, &limit.words));
         }
@@ -171,12 +184,14 @@ impl Frame<'_> {
     }
 }
 
-/// Three to six round numbers in a range.
-fn numbers((low, high): (f64, f64)) -> Vec<f64> {
+/// Two to six round numbers in a range.
+fn numbers((low, high): (f64, f64), whole: bool) -> Vec<f64> {
     let raw = (high - low).max(f64::MIN_POSITIVE) / 4.0;
+    let raw = if whole { raw.max(1.0) } else { raw };
     let power = 10.0_f64.powf(raw.log10().floor());
-    let step = [1.0, 2.0, 2.5, 5.0, 10.0].map(|round| round * power).into_iter();
-    let step = step.clone().find(|step| *step >= raw * 0.99).unwrap_or(power * 10.0);
+    let steps = [1.0, 2.0, 2.5, 5.0, 10.0].map(|round| round * power);
+    let fits = |step: &f64| *step >= raw * 0.99 && !(whole && step.fract() > 0.0);
+    let step = steps.into_iter().find(fits).unwrap_or(power * 10.0);
     let first = (low / step).ceil();
     let numbers = (0..=6).map(|nth| (first + f64::from(nth)) * step);
     numbers.filter(|value| *value <= high + step * 1e-6).collect()
@@ -200,10 +215,21 @@ mod tests {
 
     #[test]
     fn numbers_beside_a_curve_are_round_and_few() {
-        assert_eq!(numbers((20.0, 100.0)), [20.0, 40.0, 60.0, 80.0, 100.0]);
-        assert_eq!(numbers((0.0, 430.0)), [0.0, 200.0, 400.0]);
+        assert_eq!(numbers((20.0, 100.0), false), [20.0, 40.0, 60.0, 80.0, 100.0]);
+        assert_eq!(numbers((0.0, 430.0), false), [0.0, 200.0, 400.0]);
         for high in [1e-9, 0.3, 7.0, 12_345.0, 1e15] {
-            assert!((2..=7).contains(&numbers((0.0, high)).len()), "{high}");
+            assert!((2..=7).contains(&numbers((0.0, high), false).len()), "{high}");
+        }
+    }
+
+    #[test]
+    fn what_has_no_parts_is_counted_by_whole_numbers() {
+        assert_eq!(numbers((-0.1, 1.1), true), [0.0, 1.0]);
+        assert_eq!(numbers((0.0, 9.5), true), [0.0, 5.0]);
+        for high in [1.0, 3.0, 43.0, 1e15] {
+            let numbers = numbers((0.0, high), true);
+            assert!(numbers.iter().all(|value| value.fract() == 0.0), "{numbers:?}");
+            assert!((2..=7).contains(&numbers.len()), "{numbers:?}");
         }
     }
 

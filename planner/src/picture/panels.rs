@@ -1,15 +1,64 @@
-//! Which timelines are drawn, and their limits: charge, peak power, data.
+//! Which timelines are drawn, and their limits: charge, peak power, data, and
+//! those named ones that an activity of the plan touches.
 
+use crate::parameters::{TimelineKind, TimelineSpec};
 use crate::picture::Scene;
 use crate::picture::panel::{Kind, Line, Panel, percent};
 use crate::picture::scale::float;
+use crate::plan::Plan;
 use crate::timed;
 use crate::trace::{Happened, Trace, Truth};
 use crate::units::{Ppm, Time};
 use crate::words::bytes;
 
 pub(super) fn panels(scene: &Scene<'_>) -> Vec<Panel> {
-    vec![charge(scene), peak(scene), data(scene)]
+    let named = scene.parameters.timelines.iter().filter(|spec| is_touched(scene.plan, spec));
+    let own = [charge(scene), peak(scene), data(scene)];
+    own.into_iter().chain(named.map(|spec| line(scene, spec))).collect()
+}
+
+fn is_touched(plan: &Plan, spec: &TimelineSpec) -> bool {
+    plan.activities.iter().any(|activity| {
+        let impacts = activity.impacts.iter().map(|impact| &impact.timeline);
+        let asked = activity.constraints.iter().map(|asked| &asked.timeline);
+        impacts.chain(asked).any(|name| *name == spec.name)
+    })
+}
+
+/// A named timeline. What its values truly were nobody measures: of an execution
+/// there is what was planned.
+fn line(scene: &Scene<'_>, spec: &TimelineSpec) -> Panel {
+    let of = |line: &&timed::Line| line.name == spec.name;
+    let values = scene.projection.lines.iter().find(of);
+    let points = values.map(|line| all(line, float)).unwrap_or_default();
+    let limit = |name: &str, value: i64, kind| {
+        let words = format!("{name} {value}");
+        Line { words, value: float(value), kind }
+    };
+    let limits =
+        vec![limit("maximum", spec.max, Kind::Above), limit("minimum", spec.min, Kind::Below)];
+    let points = match scene.trace {
+        None => (points, Vec::new()),
+        Some(_) => (Vec::new(), points),
+    };
+    let (low, high) = extent(&points, &limits);
+    let room = ((high - low) * 0.12).max(0.5);
+    Panel {
+        title: spec.name.replace('_', " "),
+        unit: match spec.kind {
+            TimelineKind::State => "state",
+            TimelineKind::Unit => "one user at a time",
+            TimelineKind::Renewable => "in use",
+            TimelineKind::Consumable => "amount",
+        },
+        whole: true,
+        height: 58.0,
+        range: (low - room, high + room),
+        points: points.0,
+        planned: points.1,
+        steps: values.is_none_or(|line| line.steps),
+        limits,
+    }
 }
 
 type Points = Vec<(Time, f64)>;
@@ -75,8 +124,9 @@ fn charge(scene: &Scene<'_>) -> Panel {
     });
     let (low, _) = extent(&points, &limits);
     Panel {
-        title: "State of charge",
+        title: "State of charge".into(),
         unit: "%",
+        whole: false,
         height: 132.0,
         range: ((low / 10.0 - 0.5).floor() * 10.0, 100.0),
         points: points.0,
@@ -97,8 +147,9 @@ fn peak(scene: &Scene<'_>) -> Panel {
     }];
     let (_, high) = extent(&points, &limits);
     Panel {
-        title: "Peak power",
+        title: "Peak power".into(),
         unit: "W",
+        whole: false,
         height: 74.0,
         range: (0.0, (high * 1.1).max(1.0)),
         points: points.0,
@@ -121,8 +172,9 @@ fn data(scene: &Scene<'_>) -> Panel {
     let (low, high) = (low.min(0.0), high.max(0.0));
     let room = ((high - low) * 0.1).max(1e-6);
     Panel {
-        title: "Data on board",
+        title: "Data on board".into(),
         unit: "MB, since the plan's begin",
+        whole: false,
         height: 74.0,
         range: (if low < 0.0 { low - room } else { 0.0 }, high + room),
         points: points.0,

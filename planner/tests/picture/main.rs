@@ -1,6 +1,8 @@
 //! The picture of a timed plan shows each activity, why it is left out, and the
 //! timelines with their limits.
 
+mod seen_first;
+
 use std::collections::BTreeMap;
 
 use faregate_planner::picture::{Scene, draw};

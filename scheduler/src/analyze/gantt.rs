@@ -9,11 +9,11 @@ mod rows;
 mod scale;
 
 use svg::Document;
-use svg::node::element::{Definitions, Description, Group, Title};
+use svg::node::element::Group;
 
 use crate::analyze::gantt::lane::Place;
 use crate::analyze::gantt::pen::{
-    EDGE, GREY, INK, RULE, SHADE, TEXT, bar, hatch, length, line, shortened, text, words,
+    EDGE, GREY, MARGIN, RULE, SHADE, bar, hatch, length, line, note, sheet, shortened, text,
 };
 use crate::analyze::gantt::rows::{Lane, Row, rows};
 use crate::analyze::gantt::scale::{Scale, say};
@@ -48,7 +48,6 @@ const WIDTH: f64 = 1_100.0;
 /// Where the scale begins and ends.
 const LEFT: f64 = 236.0;
 const RIGHT: f64 = WIDTH - 26.0;
-const MARGIN: f64 = 18.0;
 /// The title, what is said below it, and the legend.
 const HEAD: f64 = 84.0;
 /// The numbers of the scale, above and below the rows.
@@ -103,23 +102,7 @@ impl Picture {
         let height = last + NUMBERS + MARGIN;
         let title = if look.title.is_empty() { "Schedule" } else { &look.title };
         let about = self.about(analysis);
-        Document::new()
-            .set("viewBox", (0, 0, WIDTH, height))
-            .set("width", WIDTH)
-            .set("height", height)
-            .set("role", "img")
-            .set("font-family", "Helvetica, Arial, 'Liberation Sans', sans-serif")
-            .set("font-size", TEXT)
-            .add(Title::new(title))
-            .add(Description::new().add(words(&about)))
-            .add(Definitions::new().add(hatch()))
-            .add(
-                bar((0.5, WIDTH - 0.5), 0.5, height - 1.0, "white")
-                    .set("rx", 8)
-                    .set("stroke", EDGE),
-            )
-            .add(text(MARGIN, 30.0, title).set("font-size", 17).set("font-weight", "bold"))
-            .add(text(MARGIN, 48.0, &about).set("fill", GREY))
+        sheet((WIDTH, height), (title, &about), [hatch()])
             .add(legend::draw(&self.rows, &self.scale, (MARGIN, 70.0)))
             .add(self.shades(first))
             .add(self.grid(first, last))
@@ -212,19 +195,15 @@ impl Picture {
     }
 }
 
-fn heading(name: &str, note: &str, place: Place) -> Group {
+fn heading(name: &str, beside: &str, place: Place) -> Group {
     let y = place.top + place.height / 2.0 + 4.0;
-    let name = shortened(name, LEFT - MARGIN - length(note) - 16.0);
+    let name = shortened(name, LEFT - MARGIN - length(beside) - 16.0);
     let name = text(MARGIN + 4.0, y, &name).set("font-weight", "bold");
-    Group::new().add(name).add(noted(note, y))
+    Group::new().add(name).add(note(LEFT - 12.0, y, beside))
 }
 
 fn label(lane: &Lane, place: Place) -> Group {
     let y = place.top + place.height / 2.0 + 4.0;
     let name = shortened(&lane.label, LEFT - MARGIN - length(&lane.note) - 26.0);
-    Group::new().add(text(MARGIN + 10.0, y, &name).set("fill", INK)).add(noted(&lane.note, y))
-}
-
-fn noted(note: &str, y: f64) -> svg::node::element::Text {
-    text(LEFT - 12.0, y, note).set("text-anchor", "end").set("fill", GREY).set("font-size", 10.5)
+    Group::new().add(text(MARGIN + 10.0, y, &name)).add(note(LEFT - 12.0, y, &lane.note))
 }
