@@ -52,7 +52,21 @@ pub struct Timelines {
     data: Limited,
     named: Vec<Named>,
     placed: BTreeMap<(i64, usize), Claim>,
+    longest: Longest,
 }
+
+/// No claim lasts longer. It says nothing of what is used: two are equal,
+/// whatever was removed again.
+#[derive(Clone, Copy, Debug, Default)]
+struct Longest(i64);
+
+impl PartialEq for Longest {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl Eq for Longest {}
 
 /// A result with its largest value.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -110,6 +124,7 @@ impl Timelines {
                 .map(|spec| Named::new(spec, plan, state, (now, end.max(now + 1))))
                 .collect(),
             placed: BTreeMap::new(),
+            longest: Longest::default(),
         }
     }
 
@@ -125,6 +140,7 @@ impl Timelines {
             return;
         }
         self.change(claim, start, 1);
+        self.longest.0 = self.longest.0.max(claim.length);
         self.placed.insert((start, claim.order), claim.clone());
     }
 

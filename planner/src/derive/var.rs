@@ -170,7 +170,7 @@ impl Reach {
         if left < 0 {
             self.0 = 0;
         } else if margin.lo < 0 {
-            self.most(left * i128::from(ONE) / -i128::from(margin.lo));
+            self.most(left * i128::from(ONE), margin.lo);
         }
     }
 
@@ -180,12 +180,18 @@ impl Reach {
         if left <= 0 {
             self.0 = 0;
         } else if margin.hi > 0 {
-            self.most((left * i128::from(ONE) - 1) / i128::from(margin.hi));
+            self.most(left * i128::from(ONE) - 1, margin.hi);
         }
     }
 
-    fn most(&mut self, to: i128) {
-        self.limit(i64::try_from(to).unwrap_or(i64::MAX));
+    /// At most as often as a step, whatever its sign, goes into what is left.
+    /// Nearly all the time it goes more often than is asked, and there need be
+    /// no division.
+    fn most(&mut self, left: i128, step: i64) {
+        let step = i128::from(step).abs();
+        if (i128::from(self.0) + 1) * step > left {
+            self.limit(i64::try_from(left / step).unwrap_or(i64::MAX));
+        }
     }
 }
 

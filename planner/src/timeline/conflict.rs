@@ -125,7 +125,8 @@ impl Timelines {
 
     /// The same, and since when.
     fn under(&self, at: i64) -> impl Iterator<Item = (i64, &Claim)> {
-        let begun = self.placed.range(..=(at, usize::MAX));
+        let first = at.saturating_sub(self.longest.0);
+        let begun = self.placed.range((first, 0)..=(at, usize::MAX));
         let begun = begun.map(|(&(start, _), claim)| (start, claim));
         begun.filter(move |(start, claim)| at < start.saturating_add(claim.length))
     }

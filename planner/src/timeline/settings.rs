@@ -77,8 +77,13 @@ impl Settings {
     /// start and from its end, one start is as good as the other.
     pub(crate) fn bad(&self, setter: Setter, ranges: &[Range], within: Within, bad: &mut Bad) {
         let mut cells = vec![within.0];
+        let last = within.1.saturating_add(setter.length).saturating_add(1);
+        let until = self.sets.range((last, 0, 0)..).next().map_or(self.end, |(key, _)| key.0);
+        let seen = |range: &&Range| range.from <= until && within.0 <= range.to;
+        let ranges: &[Range] = &ranges.iter().filter(seen).copied().collect::<Vec<_>>();
         let ends = ranges.iter().flat_map(|range| [range.from, range.to]).chain([self.end]);
-        for at in self.sets.keys().map(|key| key.0).chain(ends) {
+        let near = self.sets.range((within.0.saturating_sub(1), 0, 0)..(last, 0, 0));
+        for at in near.map(|(key, _)| key.0).chain(ends) {
             let seen = [at, at.saturating_add(1), at.saturating_sub(setter.length)];
             cells.extend(seen);
             cells.push(seen[2].saturating_add(1));

@@ -45,15 +45,17 @@ pub(crate) fn broken(
 
 fn over(line: &Line, part: Option<Part>, keep: Keep, start: i64) -> Option<Breach> {
     let part = part?.bounded(line, (start, start));
+    let most = part.value.max(part.last());
     let (from, to) = reach(part, keep, (start, start));
-    let pieces = line.pieces(from, to, |_, _| true);
+    let pieces = line.pieces(from, to, |_, high| high + most > keep.max);
     excess(pieces.map(|piece| plus(piece, part, start)), keep.max)
 }
 
 fn under(line: &Line, part: Option<Part>, keep: Keep, start: i64) -> Option<Breach> {
     let part = part?.bounded(line, (start, start));
+    let least = part.value.min(part.last());
     let (from, to) = reach(part, keep, (start, start));
-    let pieces = line.pieces(from, to, |_, _| true);
+    let pieces = line.pieces(from, to, |low, _| low + least < keep.min);
     let mirrored = pieces.map(|piece| {
         let sum = plus(piece, part, start);
         Piece { value: -sum.value, slope: -sum.slope, ..sum }
