@@ -6,12 +6,17 @@
 
 mod awake;
 mod heat;
+mod mark;
+mod open;
 mod own;
 mod placed;
+mod renewal;
 pub(crate) mod var;
 mod world;
 
-pub(crate) use awake::{Mark, Phase, Sweep};
-pub(crate) use own::{Candidate, Frame, Late, NONE, Own, OwnStep};
+pub(crate) use awake::Sweep;
+pub(crate) use mark::{After, Mark, Open, Phase};
+pub(crate) use own::{Blocked, Candidate, Frame, Late, NONE, Own, OwnStep};
 pub(crate) use placed::{Placed, Placement};
-pub(crate) use world::{Quiet, World};
+pub(crate) use renewal::Change;
+pub(crate) use world::{Leap, Piece, World, late_heats};

@@ -5,7 +5,7 @@
 //! at the capacity; what comes in beyond is lost.
 
 use crate::derive::var::{Reach, Var};
-use crate::derive::{Frame, Late, Mark, OwnStep};
+use crate::derive::{After, Frame, Late, Mark, Open, OwnStep, Phase, Piece};
 use crate::problem::{Draw, Problem};
 
 /// An instant, the charge then, and what is drawn from then on beside the
@@ -50,10 +50,29 @@ pub(crate) trait Watch {
     /// only on what is drawn.
     fn depends(&mut self, _at: i64) {}
 
+    /// The computer was up.
+    fn phase(&mut self, _phase: Phase) {}
+
     /// The computer has just fallen asleep, and all that a candidate changes is
-    /// behind. Whether nothing that follows need be looked at.
-    fn asleep(&mut self, _mark: &Mark, _reach: &mut Reach) -> bool {
+    /// behind.
+    fn asleep(&mut self, _mark: &Mark, _reach: &mut Reach) -> After {
+        After::On
+    }
+
+    /// Whether anything is known of another world.
+    fn compares(&self) -> bool {
         false
+    }
+
+    /// The computer is up, and all that a candidate changes is behind. Whether
+    /// it is known what follows; it was up for `long` enough.
+    fn knows(&mut self, _open: &Open, _long: bool, _reach: &mut Reach) -> bool {
+        false
+    }
+
+    /// It was known.
+    fn awake(&mut self, _open: &Open, _reach: &mut Reach) -> After {
+        After::On
     }
 
     /// Whether nothing that follows matters.
@@ -77,17 +96,16 @@ pub(crate) struct Energy<'a> {
 }
 
 impl Energy<'_> {
-    /// At the present instant, everything that begins now begun.
-    pub(crate) fn start(&self, reach: &mut Reach) -> Cursor {
-        let cursor = Cursor {
+    /// At the present instant, before anything that begins then.
+    pub(crate) const fn start(&self) -> Cursor {
+        Cursor {
             at: Var::fixed(self.problem.now),
             charge: Var::fixed(self.problem.battery.charge),
-            drawn: Draw::default(),
+            drawn: Draw { marginal: 0, peak: 0 },
             placed: 0,
             own: 0,
             cuts: 0,
-        };
-        self.walk(cursor, cursor.at, Draw::default(), reach, &mut Unwatched)
+        }
     }
 
     /// Up to an instant, with this drawn by the computer.
@@ -171,14 +189,44 @@ pub(crate) struct Change {
 }
 
 impl Cursor {
+    /// At the begin of a piece, with this drawn by the computer, and so many
+    /// changes behind.
+    pub(crate) fn at(piece: &Piece, computer: Draw, problem: &Problem, placed: usize) -> Self {
+        let drawn = Draw {
+            marginal: problem.battery.idle - computer.marginal - piece.net,
+            peak: piece.peak - computer.peak,
+        };
+        let (at, charge) = (Var::fixed(piece.from), Var::fixed(piece.charge));
+        Self { at, charge, drawn, placed, own: 0, cuts: 0 }
+    }
+
     /// Whether all of a candidate's changes are behind.
     pub(crate) const fn is_past(&self, own: &[OwnStep]) -> bool {
         self.own == own.len()
     }
 
-    /// Whether the same of what is placed is behind, at the same instant.
-    pub(crate) fn is_beside(&self, other: &Self) -> bool {
-        self.at == other.at && self.placed == other.placed && self.drawn == other.drawn
+    /// Whether the same of what is placed is behind, at the same instant, where
+    /// the other one counts so many more changes.
+    pub(crate) fn is_beside(&self, other: &Self, more: isize) -> bool {
+        let same = self.placed.checked_add_signed(more) == Some(other.placed);
+        self.at == other.at && same && self.drawn == other.drawn
+    }
+
+    /// The same with as many of a candidate's changes behind as there.
+    pub(crate) const fn with_own_of(self, other: &Self) -> Self {
+        Self { own: other.own, ..self }
+    }
+
+    /// The same with so much more charge, where there are so many more changes.
+    pub(crate) fn changed(self, charge: Var, more: isize) -> Self {
+        let placed = self.placed.saturating_add_signed(more);
+        Self { charge: self.charge.plus(charge), placed, ..self }
+    }
+
+    /// The same where the capacity cut something off so often `there`, and not
+    /// as often as `here`.
+    pub(crate) const fn with_cuts(self, here: u32, there: u32) -> Self {
+        Self { cuts: self.cuts + there - here, ..self }
     }
 
     const fn take(&mut self, step: Change) {

@@ -136,7 +136,7 @@ pub fn explain_all(
 fn of(pass: &mut Pass<'_>, item: usize) -> Explanation {
     let turn = match pass.slots[item] {
         Some(slot) => Ok(slot),
-        None => pass.find(item),
+        None => pass.find(item).map_err(|why| pass.reason(item, why)),
     };
     let relaxations = match &turn {
         Ok(_) | Err(Reason::GroupTaken(_)) => Vec::new(),

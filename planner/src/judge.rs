@@ -1,9 +1,13 @@
 //! Whether a candidate can start at an instant, and if not, until when not.
 
+mod drained;
 mod look;
 
-use crate::derive::var::Reach;
-use crate::derive::{Candidate, Frame, Late, NONE, Own, Placed, Placement, Sweep, World};
+use crate::derive::var::{Reach, Var};
+use crate::derive::{
+    Blocked, Candidate, Frame, NONE, Own, Placed, Placement, Sweep, World, late_heats,
+};
+use crate::energy::Watch;
 use crate::problem::Problem;
 
 use look::Look;
@@ -15,6 +19,8 @@ pub(crate) struct Rest<'a> {
     pub(crate) problem: &'a Problem,
     pub(crate) placed: &'a Placed,
     pub(crate) world: &'a World,
+    /// Worlds are made from now to the end.
+    pub(crate) plain: bool,
 }
 
 /// What is so of a candidate at a time.
@@ -32,7 +38,8 @@ impl Rest<'_> {
     ///
     /// # Timing
     ///
-    /// In proportion to everything that is placed.
+    /// In proportion to what is placed near it, and to how often what follows
+    /// depends on the charge.
     pub(crate) fn judge(&self, candidate: Candidate, optional: bool, keep: bool) -> Verdict {
         let mut reach = Reach::ALL;
         let Ok(own) = Own::of(self.problem, self.placed, candidate, &mut reach) else {
@@ -41,42 +48,75 @@ impl Rest<'_> {
         if own.late.iter().any(|&late| !self.world.has(late)) {
             return Verdict::Breaks(reach.get());
         }
-        let frame = Frame { placed: self.placed, own: &own };
-        let mut look = Look::new(self.problem, self.world, optional, keep);
-        let before = own.first().and_then(|first| self.world.mark_before(self.problem, first));
-        let mut sweep = Sweep::new(self.problem, frame, reach, &mut look);
-        match before {
-            Some(mark) => sweep.go_on(&mark),
-            None => sweep.run(),
+        if own.first().is_none() {
+            return Verdict::Fits(reach.get());
         }
-        let reach = sweep.reach;
+        let mut look = Look::new(self, optional, keep);
+        let reach = self.sweep(&own, reach, &mut look);
         match look.broken_for() {
             Some(shift) => Verdict::Breaks(shift),
             None => Verdict::Fits(reach.get()),
         }
     }
 
+    /// Looks at what is otherwise with it.
+    fn sweep(&self, own: &Own, reach: Reach, look: &mut Look<'_>) -> Reach {
+        let frame = Frame { placed: self.placed, own };
+        let mut sweep = Sweep::new(self.problem, frame, reach, look);
+        let Some(first) = own.first() else { return sweep.reach };
+        if self.plain {
+            sweep.run();
+        } else if let Some(open) = self.world.open_before(self.problem, self.placed, first) {
+            sweep.go_on_in(&open);
+        } else if let Some(mark) = self.world.mark_before(self.problem, first) {
+            sweep.go_on(mark);
+        } else {
+            sweep.run();
+        }
+        sweep.reach
+    }
+
     /// Everything that it breaks at that time, of what depends on what is
     /// derived.
     pub(crate) fn breaks(&self, slot: Placement, optional: bool) -> Vec<Broken> {
-        let mut placed = self.placed.clone();
-        placed.insert(self.problem, slot);
-        let mut look = Look::new(self.problem, self.world, optional, false).listing();
-        let frame = Frame { placed: &placed, own: &NONE };
-        let mut sweep = Sweep::new(self.problem, frame, Reach::ALL, &mut look);
-        sweep.run();
-        let mut broken = look.list;
-        let with = World::of(self.problem, &placed);
-        let new = |late: &&Late| !self.world.has(**late);
-        if let Some(late) = with.late.iter().find(new) {
-            broken.push(Broken { kind: Kind::Lead, at: late.at.at, amount: late.by });
+        let mut look = Look::new(self, optional, false).listing();
+        let (start, end) = (Var::fixed(slot.start), Var::fixed(slot.end));
+        let candidate = Candidate { item: slot.item, start, end };
+        match Own::of(self.problem, self.placed, candidate, &mut { Reach::ALL }) {
+            Ok(own) => {
+                for &late in &own.late {
+                    look.late(late, &Reach::ALL);
+                }
+                let _ = self.sweep(&own, Reach::ALL, &mut look);
+            }
+            Err(Blocked) => self.sweep_all(slot, look.unlike()),
         }
-        broken.extend(self.in_blocks(slot, &placed));
+        let mut broken = look.list;
+        if !self.problem.blocks.is_empty() {
+            broken.extend(self.in_blocks(slot));
+        }
         broken
     }
 
+    /// From now to the end, with it placed.
+    fn sweep_all(&self, slot: Placement, look: &mut Look<'_>) {
+        let placed = self.with(slot);
+        for late in late_heats(&placed) {
+            look.late(late, &Reach::ALL);
+        }
+        let frame = Frame { placed: &placed, own: &NONE };
+        Sweep::new(self.problem, frame, Reach::ALL, look).run();
+    }
+
+    fn with(&self, slot: Placement) -> Placed {
+        let mut placed = self.placed.clone();
+        placed.insert(self.problem, slot);
+        placed
+    }
+
     /// Where it, or what is heated because of it, meets a manual shutdown.
-    fn in_blocks(&self, slot: Placement, with: &Placed) -> Vec<Broken> {
+    fn in_blocks(&self, slot: Placement) -> Vec<Broken> {
+        let with = self.with(slot);
         let zones = with.zones.iter().zip(&self.placed.zones);
         let heats = zones.flat_map(|(with, without)| {
             let heats = with.heats.iter().flatten();
@@ -103,7 +143,8 @@ pub(crate) fn keeps(problem: &Problem, (placed, world): (&Placed, &World), other
     if blocked || world.late.iter().any(|&late| !other.has(late)) {
         return false;
     }
-    let mut look = Look::new(problem, other, false, false).listing();
+    let rest = Rest { problem, placed, world: other, plain: true };
+    let mut look = Look::new(&rest, false, false).listing();
     Sweep::new(problem, Frame { placed, own: &NONE }, Reach::ALL, &mut look).run();
     look.list.is_empty()
 }

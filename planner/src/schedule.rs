@@ -17,7 +17,7 @@ pub use improve::{Budget, Improved, improve};
 pub use worth::Worth;
 
 use crate::derive::var::{Reach, Var};
-use crate::derive::{Candidate, Own, Placed, Placement, World};
+use crate::derive::{Blocked, Candidate, Change, Own, Placed, Placement, World};
 use crate::judge::Rest;
 use crate::problem::Problem;
 use crate::search::Effort;
@@ -52,13 +52,18 @@ pub fn schedule_in_order(
     order: &[usize],
     incumbent: Option<&TimedPlan>,
 ) -> (TimedPlan, Effort) {
-    let mut pass = Pass::new(problem, incumbent);
-    for &item in order {
-        pass.turn(item);
-    }
-    pass.look_again(order);
-    pass.finish(order);
-    (pass.answer(), pass.effort)
+    Pass::new(problem, incumbent).run(order)
+}
+
+/// The same as [`schedule`] without an incumbent, the slow way: nothing that was
+/// derived is kept. Each start is judged by a world that is made from now to
+/// the end, and so is the world after each placement. To compare with: in time,
+/// and to the byte.
+#[must_use]
+pub fn schedule_plainly(problem: &Problem) -> (TimedPlan, Effort) {
+    let mut pass = Pass::new(problem, None);
+    pass.plain = true;
+    pass.run(problem.order())
 }
 
 /// What is decided so far.
@@ -85,12 +90,24 @@ pub(crate) struct Pass<'a> {
     /// has changed since where they are equal.
     version: u64,
     failed: Vec<u64>,
+    /// Nothing that was derived is kept.
+    plain: bool,
     pub(crate) effort: Effort,
 }
 
 impl Pass<'_> {
     pub(crate) const fn rest(&self) -> Rest<'_> {
-        Rest { problem: self.problem, placed: &self.placed, world: &self.world }
+        let Self { problem, placed, world, plain, .. } = self;
+        Rest { problem, placed, world, plain: *plain }
+    }
+
+    fn run(mut self, order: &[usize]) -> (TimedPlan, Effort) {
+        for &item in order {
+            self.turn(item);
+        }
+        self.look_again(order);
+        self.finish(order);
+        (self.answer(), self.effort)
     }
 
     /// Makes longer what can be, and tries again what that may have made room
@@ -124,7 +141,7 @@ impl Pass<'_> {
     /// Places something for good.
     fn put(&mut self, item: usize, slot: Slot) {
         let (start, end) = (slot.start.get(), slot.end.get());
-        let change = self.first_change(item, slot);
+        let change = self.change(item, slot);
         self.placed.insert(self.problem, Placement { item, start, end });
         self.timelines.insert(&self.claims[item], slot.start);
         self.slots[item] = Some(slot);
@@ -133,15 +150,19 @@ impl Pass<'_> {
             self.groups[group].get_or_insert(item);
         }
         let world = core::mem::take(&mut self.world);
-        self.world = world.after(self.problem, &self.placed, change);
+        self.world = match change {
+            Ok(None) => world,
+            Ok(Some(change)) if !self.plain => world.after(self.problem, &self.placed, change),
+            Ok(Some(_)) | Err(Blocked) => World::of(self.problem, &self.placed),
+        };
         self.version += 1;
     }
 
-    /// The first instant at which something is otherwise with it placed.
-    fn first_change(&self, item: usize, slot: Slot) -> i64 {
+    /// Between which instants something is otherwise with it placed.
+    fn change(&self, item: usize, slot: Slot) -> Result<Option<Change>, Blocked> {
         let (start, end) = (Var::fixed(slot.start.get()), Var::fixed(slot.end.get()));
         let candidate = Candidate { item, start, end };
-        let own = Own::of(self.problem, &self.placed, candidate, &mut { Reach::ALL });
-        own.ok().and_then(|own| own.first()).unwrap_or(self.problem.now)
+        let own = Own::of(self.problem, &self.placed, candidate, &mut { Reach::ALL })?;
+        Ok(Change::of(&own))
     }
 }

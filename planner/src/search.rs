@@ -48,6 +48,10 @@ impl Rest<'_> {
         for (first, last) in starts.iter() {
             let mut start = first.get();
             while start <= last.get() {
+                if let Some(drained) = self.drained_until(item, start, optional) {
+                    start = drained + 1;
+                    continue;
+                }
                 let end = Var::shifting(start + length);
                 let candidate = Candidate { item, start: Var::shifting(start), end };
                 effort.starts += 1;

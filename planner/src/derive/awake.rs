@@ -5,38 +5,10 @@ use crate::energy::{Cursor, Energy, Unwatched, Watch};
 use crate::problem::{Draw, Problem};
 use crate::state::Mode;
 
+use super::mark::{Mark, Open, Phase, Up};
 use super::own::{Frame, Late, VarNeed};
 use super::placed::Who;
 use super::var::{Reach, Var};
-
-/// The computer is up, from waking up to shut down.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Phase {
-    pub(crate) wakeup: Var,
-    pub(crate) up: Var,
-    pub(crate) down: Var,
-    pub(crate) asleep: Var,
-}
-
-/// A phase's begin.
-#[derive(Clone, Copy, Debug)]
-struct Up {
-    wakeup: Var,
-    up: Var,
-    /// Awake time counts from then on.
-    counted: Var,
-}
-
-/// The computer has just fallen asleep: a sweep can go on from there, and two
-/// worlds can be compared.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Mark {
-    pub(crate) cursor: Cursor,
-    /// How many needs of what is placed are met.
-    pub(crate) met: usize,
-    /// How many phases are over.
-    pub(crate) phases: usize,
-}
 
 /// A sleep whose end is looked for.
 #[derive(Clone, Copy)]
@@ -74,8 +46,8 @@ pub(crate) struct Sweep<'a, 'w, W> {
     cursor: Cursor,
     /// How many needs are met, of those that are placed and of the candidate's.
     met: (usize, usize),
-    pub(crate) phases: Vec<Phase>,
-    pub(crate) late: Vec<Late>,
+    /// How many phases are over.
+    phases: usize,
     /// Nothing that follows need be looked at.
     is_over: bool,
 }
@@ -84,30 +56,44 @@ impl<'a, 'w, W: Watch> Sweep<'a, 'w, W> {
     pub(crate) fn new(
         problem: &'a Problem,
         frame: Frame<'a>,
-        mut reach: Reach,
+        reach: Reach,
         watch: &'w mut W,
     ) -> Self {
         let energy = Energy { problem, frame };
-        let cursor = energy.start(&mut reach);
-        let (phases, late) = (Vec::new(), Vec::new());
-        Self { problem, energy, reach, watch, cursor, met: (0, 0), phases, late, is_over: false }
+        let cursor = energy.start();
+        Self { problem, energy, reach, watch, cursor, met: (0, 0), phases: 0, is_over: false }
     }
 
     /// All of it.
     pub(crate) fn run(&mut self) {
+        // Everything that begins now has begun.
+        self.cursor = self.think(self.cursor, self.cursor.at, Draw::default());
         let up = self.first();
         self.run_from(up);
     }
 
     /// What comes after a sleep's begin, up to which nothing differs.
     pub(crate) fn go_on(&mut self, mark: &Mark) {
-        self.cursor = mark.cursor;
-        self.met = (mark.met, 0);
-        let up = match self.wake(self.cursor, self.cursor.at, Sleep::Begins(None)) {
+        let up = self.leap(mark);
+        self.run_from(up);
+    }
+
+    /// What comes after an instant in a phase, up to which nothing differs.
+    pub(crate) fn go_on_in(&mut self, open: &Open) {
+        self.cursor = open.cursor;
+        (self.met.0, self.phases) = (open.met, open.phases);
+        let up = self.stay(open.begun, open.until);
+        self.run_from(up);
+    }
+
+    /// To a sleep's begin, whatever lies before it.
+    fn leap(&mut self, mark: &Mark) -> Option<Up> {
+        self.cursor = mark.cursor.with_own_of(&self.cursor);
+        (self.met.0, self.phases) = (mark.met, mark.phases);
+        match self.wake(self.cursor, self.cursor.at, Sleep::Begins(None)) {
             Wake::Up(up) => Some(self.sleep(up)),
             Wake::Never | Wake::Stay => None,
-        };
-        self.run_from(up);
+        }
     }
 
     fn run_from(&mut self, mut up: Option<Up>) {
@@ -155,7 +141,6 @@ impl<'a, 'w, W: Watch> Sweep<'a, 'w, W> {
 
     fn is_late(&mut self, late: Late) {
         self.watch.late(late, &self.reach);
-        self.late.push(late);
     }
 
     /// From the computer's present mode on.
@@ -201,10 +186,17 @@ impl<'a, 'w, W: Watch> Sweep<'a, 'w, W> {
 
     /// An awake phase; what follows after the sleep after it.
     fn phase(&mut self, begun: Up) -> Option<Up> {
+        self.go(begun.up, self.problem.computer.wakeup);
+        self.stay(begun, begun.up)
+    }
+
+    /// The computer stays up until then at least.
+    fn stay(&mut self, begun: Up, mut until: Var) -> Option<Up> {
         let computer = self.problem.computer;
-        self.go(begun.up, computer.wakeup);
-        let mut until = begun.up;
         loop {
+            if let Some(after) = self.compare_open(begun, until) {
+                return after.and_then(|mark| self.leap(&mark));
+            }
             let down = self.max(until, begun.counted.later(computer.min_awake));
             let need = self.need();
             let mut absorbs = false;
@@ -239,13 +231,13 @@ impl<'a, 'w, W: Watch> Sweep<'a, 'w, W> {
     fn until_the_end(&mut self, begun: Up) -> Option<Up> {
         let end = self.end();
         self.go(end, self.problem.computer.awake);
-        self.phases.push(Phase { wakeup: begun.wakeup, up: begun.up, down: end, asleep: end });
+        self.ends(begun, end, end);
         None
     }
 
     fn before_block(&mut self, begun: Up, from: Var) -> Option<Up> {
         self.go(from, self.problem.computer.awake);
-        self.phases.push(Phase { wakeup: begun.wakeup, up: begun.up, down: from, asleep: from });
+        self.ends(begun, from, from);
         let to = self.problem.next_block(from.at).map_or(self.problem.end, |block| block.to);
         self.through(Var::fixed(to))
     }
@@ -255,19 +247,16 @@ impl<'a, 'w, W: Watch> Sweep<'a, 'w, W> {
         let asleep = down.later(computer.shutdown_time);
         self.go(down, computer.awake);
         self.go(asleep, computer.shutdown);
-        self.phases.push(Phase { wakeup: begun.wakeup, up: begun.up, down, asleep });
-        self.is_over = self.is_like_before();
-        next.filter(|_| !self.is_over).map(|up| self.sleep(up))
+        self.ends(begun, down, asleep);
+        match self.compare() {
+            Some(after) => after.and_then(|mark| self.leap(&mark)),
+            None => next.map(|up| self.sleep(up)),
+        }
     }
 
-    /// Whether all that a candidate changes is behind, and somebody knows what
-    /// follows.
-    fn is_like_before(&mut self) -> bool {
-        let own = self.energy.frame.own;
-        let mark = Mark { cursor: self.cursor, met: self.met.0, phases: self.phases.len() };
-        self.met.1 == own.needs.len()
-            && self.cursor.is_past(&own.steps)
-            && self.watch.asleep(&mark, &mut self.reach)
+    fn ends(&mut self, begun: Up, down: Var, asleep: Var) {
+        self.watch.phase(Phase { wakeup: begun.wakeup, up: begun.up, down, asleep });
+        self.phases += 1;
     }
 
     /// The next need.
@@ -320,6 +309,8 @@ impl<'a, 'w, W: Watch> Sweep<'a, 'w, W> {
     }
 }
 
+#[path = "compare.rs"]
+mod compare;
 #[path = "down.rs"]
 mod down;
 #[path = "wake.rs"]

@@ -3,7 +3,8 @@
 use crate::energy::{Segment, Watch};
 use crate::problem::Problem;
 
-use super::awake::{Mark, Phase, Sweep};
+use super::awake::Sweep;
+use super::mark::{After, Mark, Phase};
 use super::own::{Frame, Late, NONE};
 use super::placed::{Placed, Who};
 use super::var::{Reach, Var};
@@ -28,104 +29,129 @@ pub(crate) struct World {
     /// The largest sum of peaks.
     pub(crate) peak: i64,
     /// Where the computer falls asleep.
-    marks: Vec<Mark>,
+    pub(super) marks: Vec<Mark>,
     /// Where what follows depends on the charge, in order.
-    depends: Vec<i64>,
-    /// For each piece, the lowest charge from its begin to the end.
-    least: Vec<i64>,
+    pub(super) depends: Vec<i64>,
+    /// For each piece, the one that begins with the lowest charge from it on,
+    /// up to where a [leap](Self::leap) ends; of several the first.
+    lowest: Vec<usize>,
+    /// How many changes of what is drawn, and needs, it was made from.
+    counts: (usize, usize),
 }
 
-/// What a world is from an instant on, if less charge makes no difference.
+/// From an instant on nothing depends on the charge, as long as there is not
+/// more of it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Quiet {
-    pub(crate) from: i64,
-    /// The charge then.
-    pub(crate) charge: i64,
-    /// The lowest charge from then on.
-    pub(crate) least: i64,
+pub(crate) struct Leap {
+    /// Until then; none: to the end.
+    pub(crate) to: Option<Mark>,
+    /// When the charge is lowest, and how much it is then.
+    pub(crate) lowest: (i64, i64),
 }
 
 impl World {
     /// From nothing but what is placed.
     pub(crate) fn of(problem: &Problem, placed: &Placed) -> Self {
-        let mut world = Self { capacity: problem.battery.capacity, ..Self::default() };
+        let mut world = Self::empty(problem);
         let frame = Frame { placed, own: &NONE };
-        let mut sweep = Sweep::new(problem, frame, Reach::ALL, &mut world);
-        sweep.run();
-        let (phases, late) = (sweep.phases, sweep.late);
-        world.phases = phases;
-        world.late = late_heats(placed);
-        world.late.extend(late);
-        world.late.dedup_by_key(|late| (late.at.at, late.who));
-        if world.pieces.is_empty() {
-            world.close(problem.now, problem.battery.charge);
-        }
-        world.finish();
-        world
+        Sweep::new(problem, frame, Reach::ALL, &mut world).run();
+        world.finished(problem, placed)
     }
 
-    /// The same as [`World::of`], where nothing has changed before an instant.
-    pub(crate) fn after(self, problem: &Problem, placed: &Placed, change: i64) -> Self {
-        let Some(mark) = self.mark_before(problem, change).filter(|_| self.late.is_empty()) else {
-            return Self::of(problem, placed);
-        };
-        let mut world = self;
-        let (at, charge) = (mark.cursor.at.at, mark.cursor.charge.at);
-        world.pieces.truncate(world.pieces.partition_point(|piece| piece.from < at));
-        world.close(at, charge);
-        world.peak = world.pieces.iter().map(|piece| piece.peak).max().unwrap_or(0);
-        world.phases.truncate(mark.phases);
-        world.marks.retain(|old| old.cursor.at.at <= at);
-        world.depends.retain(|&depends| depends < at);
-        let mut before = core::mem::take(&mut world.phases);
-        let frame = Frame { placed, own: &NONE };
-        let mut sweep = Sweep::new(problem, frame, Reach::ALL, &mut world);
-        sweep.phases = core::mem::take(&mut before);
-        sweep.go_on(&mark);
-        let (phases, late) = (sweep.phases, sweep.late);
-        world.phases = phases;
-        world.late = late_heats(placed);
-        world.late.extend(late);
-        world.late.dedup_by_key(|late| (late.at.at, late.who));
-        world.finish();
-        world
+    /// How many more changes of what is drawn, and needs, there are in `placed`
+    /// than in what it was made from.
+    pub(crate) fn more_in(&self, placed: &Placed) -> (isize, isize) {
+        let more = |now: usize, then: usize| now.cast_signed() - then.cast_signed();
+        (more(placed.steps.len(), self.counts.0), more(placed.needs.len(), self.counts.1))
+    }
+
+    pub(super) fn empty(problem: &Problem) -> Self {
+        Self { capacity: problem.battery.capacity, ..Self::default() }
     }
 
     /// The last sleep that begins so early that nothing from an instant on is
     /// looked at before it.
-    pub(crate) fn mark_before(&self, problem: &Problem, change: i64) -> Option<Mark> {
+    pub(crate) fn mark_before(&self, problem: &Problem, change: i64) -> Option<&Mark> {
         let computer = &problem.computer;
         let ahead = computer.min_awake + computer.wakeup_time + computer.min_sleep.max(1);
         let early = |mark: &Mark| mark.cursor.at.at < change - ahead;
         let count = self.marks.partition_point(early);
-        count.checked_sub(1).map(|last| self.marks[last])
+        count.checked_sub(1).map(|last| &self.marks[last])
     }
 
-    /// What follows a sleep's begin, if it is there in this world, too, and less
-    /// charge then only means as much less charge later.
-    pub(crate) fn quiet_from(&self, mark: &Mark) -> Option<Quiet> {
-        let from = mark.cursor.at.at;
-        let found = self.marks.binary_search_by_key(&from, |mark| mark.cursor.at.at).ok()?;
-        let own = &self.marks[found];
-        let alike = own.met == mark.met && own.cursor.is_beside(&mark.cursor);
-        let quiet = self.depends.last().is_none_or(|&last| last < from);
-        let least = *self.least.get(self.at(from))?;
-        (alike && quiet).then_some(Quiet { from, charge: own.cursor.charge.at, least })
+    /// The sleep that begins then.
+    pub(crate) fn mark_at(&self, at: i64) -> Option<&Mark> {
+        let found = self.marks.binary_search_by_key(&at, |mark| mark.cursor.at.at);
+        found.ok().map(|found| &self.marks[found])
     }
 
-    fn finish(&mut self) {
+    /// From an instant to the last sleep's begin before which the charge makes
+    /// no difference.
+    pub(crate) fn leap(&self, from: i64) -> Option<Leap> {
+        let next = self.depends.partition_point(|&at| at < from);
+        let to = match self.depends.get(next) {
+            None => None,
+            Some(&at) => Some(*self.mark_until(at).filter(|mark| mark.cursor.at.at > from)?),
+        };
+        let first = self.pieces.partition_point(|piece| piece.from < from);
+        let lowest = &self.pieces[*self.lowest.get(first)?];
+        Some(Leap { to, lowest: (lowest.from, lowest.charge) })
+    }
+
+    /// Whether what follows depends on the charge somewhere in [from, to).
+    pub(crate) fn depends_between(&self, from: i64, to: i64) -> bool {
+        let next = self.depends.partition_point(|&at| at < from);
+        self.depends.get(next).is_some_and(|&at| at < to)
+    }
+
+    /// The phase in which the computer is up all the time between two instants.
+    pub(crate) fn phase_over(&self, from: i64, to: i64) -> Option<&Phase> {
+        let begun = self.phases.partition_point(|phase| phase.up.at <= from);
+        let last = self.phases.get(begun.checked_sub(1)?);
+        last.filter(|phase| to <= phase.down.at)
+    }
+
+    fn mark_until(&self, at: i64) -> Option<&Mark> {
+        let count = self.marks.partition_point(|mark| mark.cursor.at.at <= at);
+        count.checked_sub(1).map(|last| &self.marks[last])
+    }
+
+    /// Once everything was looked at.
+    pub(super) fn finished(mut self, problem: &Problem, placed: &Placed) -> Self {
+        if self.pieces.is_empty() {
+            self.close(problem.now, problem.battery.charge);
+        }
+        let swept = core::mem::replace(&mut self.late, late_heats(placed));
+        self.late.extend(swept);
+        self.late.dedup_by_key(|late| (late.at.at, late.who));
+        self.counts = (placed.steps.len(), placed.needs.len());
         self.depends.sort_unstable();
         self.depends.dedup();
-        self.least.clear();
-        let mut least = i64::MAX;
-        for piece in self.pieces.iter().rev() {
-            least = least.min(piece.charge);
-            self.least.push(least);
-        }
-        self.least.reverse();
+        self.find_lowest();
+        self
     }
 
-    fn close(&mut self, at: i64, charge: i64) {
+    /// From the end to the begin: a leap ends at the last sleep before a
+    /// dependence.
+    fn find_lowest(&mut self) {
+        let ends = self.depends.iter().rev().filter_map(|&at| self.mark_until(at));
+        let mut ends = ends.map(|mark| mark.cursor.at.at).peekable();
+        let mut lowest = vec![0; self.pieces.len()];
+        let mut least = self.pieces.len().saturating_sub(1);
+        for (at, piece) in self.pieces.iter().enumerate().rev() {
+            let mut is_end = false;
+            while ends.next_if(|&end| end >= piece.from).is_some_and(|end| end == piece.from) {
+                is_end = true;
+            }
+            if is_end || piece.charge <= self.pieces[least].charge {
+                least = at;
+            }
+            lowest[at] = least;
+        }
+        self.lowest = lowest;
+    }
+
+    pub(super) fn close(&mut self, at: i64, charge: i64) {
         self.pieces.push(Piece { from: at, charge, net: 0, peak: 0 });
     }
 
@@ -169,7 +195,7 @@ impl World {
 }
 
 /// Heating that should have begun before now.
-fn late_heats(placed: &Placed) -> Vec<Late> {
+pub(crate) fn late_heats(placed: &Placed) -> Vec<Late> {
     let heats = placed.zones.iter().flat_map(|zone| zone.heats.iter().flatten());
     let late = heats.filter(|heat| heat.late > 0);
     late.map(|heat| Late { at: Var::fixed(heat.to), who: Who::Item(heat.item), by: heat.late })
@@ -195,14 +221,19 @@ impl Watch for World {
 
     fn late(&mut self, late: Late, _: &Reach) {
         self.depends.push(late.at.at);
+        self.late.push(late);
     }
 
     fn depends(&mut self, at: i64) {
         self.depends.push(at);
     }
 
-    fn asleep(&mut self, mark: &Mark, _: &mut Reach) -> bool {
+    fn phase(&mut self, phase: Phase) {
+        self.phases.push(phase);
+    }
+
+    fn asleep(&mut self, mark: &Mark, _: &mut Reach) -> After {
         self.marks.push(*mark);
-        false
+        After::On
     }
 }

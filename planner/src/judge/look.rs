@@ -4,8 +4,9 @@
 mod soft;
 
 use crate::derive::var::{Reach, Var};
-use crate::derive::{Late, Mark, Quiet, World};
-use crate::energy::{Segment, Watch};
+use crate::derive::{After, Late, Leap, Mark, Open, Placed, World};
+use crate::energy::{Cursor, Segment, Watch};
+use crate::judge::Rest;
 use crate::problem::Problem;
 
 /// A limit that depends on what is derived.
@@ -31,7 +32,11 @@ pub(crate) struct Broken {
 /// Looks for broken limits.
 pub(crate) struct Look<'a> {
     problem: &'a Problem,
+    placed: &'a Placed,
     world: &'a World,
+    /// How many more changes of what is drawn, and needs, are placed than in the
+    /// world: fewer, where that has what is being made longer.
+    more: (isize, isize),
     handover: Option<i64>,
     /// Whether to find out how long nothing is broken, too.
     keep: bool,
@@ -39,19 +44,31 @@ pub(crate) struct Look<'a> {
     broken_for: Option<i64>,
     /// Whether everything is to be found.
     lists: bool,
+    /// Whether what is placed is counted as in the world without it.
+    alike: bool,
     pub(crate) list: Vec<Broken>,
 }
 
 impl<'a> Look<'a> {
-    pub(crate) fn new(problem: &'a Problem, world: &'a World, optional: bool, keep: bool) -> Self {
+    pub(crate) fn new(rest: &Rest<'a>, optional: bool, keep: bool) -> Self {
+        let Rest { problem, placed, world, plain } = *rest;
         let handover = if optional { problem.handover } else { None };
         let list = Vec::new();
-        Self { problem, world, handover, keep, broken_for: None, lists: false, list }
+        let (broken_for, lists, alike) = (None, false, !plain);
+        let more = world.more_in(placed);
+        Self { problem, placed, world, more, handover, keep, broken_for, lists, alike, list }
     }
 
     /// Finds everything that is broken.
     pub(crate) fn listing(self) -> Self {
         Self { lists: true, ..self }
+    }
+
+    /// It is placed already: other things have other numbers than in the world
+    /// without it.
+    pub(crate) const fn unlike(&mut self) -> &mut Self {
+        self.alike = false;
+        self
     }
 
     pub(crate) const fn broken_for(&self) -> Option<i64> {
@@ -127,25 +144,55 @@ impl<'a> Look<'a> {
     }
 
     /// From an instant on there is so much less charge than without the
-    /// candidate, and nothing else differs.
-    fn less(&mut self, change: Var, quiet: Quiet, reach: &mut Reach) {
+    /// candidate, and nothing else differs until the leap's end.
+    fn less(&mut self, change: Var, from: i64, leap: &Leap, reach: &mut Reach) {
         let battery = &self.problem.battery;
-        self.less_than(battery.soft, change, quiet.least, reach);
-        if let Some(at) = self.handover.filter(|&at| at >= quiet.from) {
-            self.less_than(battery.handover, change, self.world.charge(at), reach);
+        let (at, least) = leap.lowest;
+        self.less_than((Kind::Soft, battery.soft), change, (at, least), reach);
+        let is_in = |at: i64| from <= at && leap.to.is_none_or(|to| at < to.cursor.at.at);
+        if let Some(at) = self.handover.filter(|&at| is_in(at)) {
+            let without = self.world.charge(at);
+            self.less_than((Kind::Handover, battery.handover), change, (at, without), reach);
         }
     }
 
     /// A charge that was `without` changes: whether it is below a minimum, and
     /// lower than it was.
-    fn less_than(&mut self, min: i64, change: Var, without: i64, reach: &mut Reach) {
+    fn less_than(
+        &mut self,
+        (kind, min): (Kind, i64),
+        change: Var,
+        (at, without): (i64, i64),
+        reach: &mut Reach,
+    ) {
         let bound = min.min(without);
         let mut here = Reach::ALL;
         if !here.is_kept(change.later(without - bound)) {
+            self.lists(kind, at, min - without - change.at);
             self.breaks(here.get(), reach);
         } else if self.keep {
             reach.limit(here.get());
         }
+    }
+
+    /// What follows is as in the world without the candidate, where the charge
+    /// is so much then: up to where the charge makes a difference.
+    fn go_on(&mut self, there: &Cursor, charge: Var, reach: &mut Reach) -> After {
+        let change = there.charge.minus(charge);
+        if change == Var::fixed(0) {
+            return After::Over;
+        }
+        let from = there.at.at;
+        let Some(leap) = self.world.leap(from).filter(|_| change.at <= 0) else {
+            return After::On;
+        };
+        let _ = reach.le(change, Var::fixed(0));
+        self.less(change, from, &leap, reach);
+        leap.to.map_or(After::Over, |to| {
+            let mut to = to.changed(change, self.more);
+            to.cursor = to.cursor.with_own_of(there);
+            After::From(to)
+        })
     }
 
     /// Where it is not worth working out how long a limit is kept.
@@ -165,23 +212,39 @@ impl Watch for Look<'_> {
     }
 
     fn late(&mut self, late: Late, reach: &Reach) {
-        if !self.world.has(late) {
-            self.breaks(i64::MAX, reach);
+        if self.world.has(late) {
+            return;
         }
+        // Of several the first counts, by however much it is.
+        if !self.list.iter().any(|broken| broken.kind == Kind::Lead) {
+            self.lists(Kind::Lead, late.at.at, late.by);
+        }
+        self.breaks(i64::MAX, reach);
     }
 
-    fn asleep(&mut self, mark: &Mark, reach: &mut Reach) -> bool {
-        if self.lists || !mark.cursor.at.is_fixed() {
-            return false;
+    fn asleep(&mut self, mark: &Mark, reach: &mut Reach) -> After {
+        let at = mark.cursor.at;
+        if !self.alike || !at.is_fixed() {
+            return After::On;
         }
-        let Some(quiet) = self.world.quiet_from(mark) else { return false };
-        let change = mark.cursor.charge.later(-quiet.charge);
-        if change.at > 0 {
-            return false;
+        let Some(&here) = self.world.mark_at(at.at) else { return After::On };
+        if !here.is_beside(mark, self.more) {
+            return After::On;
         }
-        let _ = reach.le(change, Var::fixed(0));
-        self.less(change, quiet, reach);
-        true
+        self.go_on(&mark.cursor, here.cursor.charge, reach)
+    }
+
+    fn compares(&self) -> bool {
+        self.alike
+    }
+
+    fn knows(&mut self, open: &Open, long: bool, _: &mut Reach) -> bool {
+        self.world.has_open(self.problem, self.placed, open, long)
+    }
+
+    fn awake(&mut self, open: &Open, reach: &mut Reach) -> After {
+        let charge = Var::fixed(self.world.charge(open.until.at));
+        self.go_on(&open.cursor, charge, reach)
     }
 
     /// What is to be kept must still be kept in it, where it comes to last.

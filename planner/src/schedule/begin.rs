@@ -32,6 +32,7 @@ impl<'a> Pass<'a> {
             unavoidable: Vec::new(),
             version: 1,
             failed: vec![0; count],
+            plain: false,
             effort: Effort::default(),
         };
         pass.windows();

@@ -22,6 +22,20 @@ pub(crate) struct Trial<'a> {
     pub(crate) claim: &'a Claim,
 }
 
+/// Why a candidate does not start.
+#[derive(Clone, Debug)]
+pub(crate) enum Why {
+    Reason(Reason),
+    /// Every start breaks a limit; this is the first that nothing else refuses.
+    Limit(i64),
+}
+
+impl From<Reason> for Why {
+    fn from(reason: Reason) -> Self {
+        Self::Reason(reason)
+    }
+}
+
 impl Pass<'_> {
     /// Places it, or notes why not, as found the first time.
     pub(crate) fn turn(&mut self, item: usize) {
@@ -31,9 +45,10 @@ impl Pass<'_> {
         self.effort.candidates += 1;
         match self.find(item) {
             Ok(slot) => self.place(item, slot),
-            Err(reason) => {
+            Err(why) => {
+                // What is in the way costs more than to see that something is.
                 if !self.is_reason_true(item) {
-                    self.reasons[item] = Some(reason);
+                    self.reasons[item] = Some(self.reason(item, why));
                 }
                 self.failed[item] = self.version;
             }
@@ -74,20 +89,29 @@ impl Pass<'_> {
     }
 
     /// When it can start first.
-    pub(crate) fn find(&mut self, item: usize) -> Result<Slot, Reason> {
+    pub(crate) fn find(&mut self, item: usize) -> Result<Slot, Why> {
         let earliest = self.after(item)?;
         self.group(item)?;
         let left = self.left(item, earliest);
-        if left.is_empty() {
+        let Some(first) = left.first() else {
             let later = self.ranges(item, earliest.max(self.problem.now));
-            return Err(if later.is_empty() { Reason::NoRangeLeft } else { Reason::Committed });
-        }
+            let none = later.is_empty();
+            return Err((if none { Reason::NoRangeLeft } else { Reason::Committed }).into());
+        };
         let mut effort = self.effort;
         let start = self.first_fit(&self.trial(item), &left, &mut effort);
         self.effort = effort;
         match start {
             Some(start) => Ok(self.slot(item, start)),
-            None => Err(self.in_the_way(item, left.first().map_or(earliest, Time::get))),
+            None => Err(Why::Limit(first.get())),
+        }
+    }
+
+    /// In words for the operator.
+    pub(crate) fn reason(&self, item: usize, why: Why) -> Reason {
+        match why {
+            Why::Reason(reason) => reason,
+            Why::Limit(start) => self.in_the_way(item, start),
         }
     }
 
@@ -106,7 +130,7 @@ impl Pass<'_> {
     ) -> Option<i64> {
         let fit = starts.iter().map(|within| trial.timelines.valid_starts(trial.claim, within));
         let fit = fit.fold(Intervals::none(), |all, some| all.union(&some));
-        let rest = Rest { problem: trial.problem, placed: &self.placed, world: &self.world };
+        let rest = Rest { problem: trial.problem, ..self.rest() };
         let optional = !self.problem.items[trial.item].mandatory;
         rest.earliest(trial.item, &fit, optional, effort)
     }
