@@ -4,7 +4,7 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use faregate_planner::generate::{Shape, World};
-use faregate_planner::schedule;
+use faregate_planner::{schedule, schedule_plainly};
 use indicatif::ProgressBar;
 
 use crate::support::{Bench, Curve, Failure, Quantiles, Series, Target};
@@ -21,6 +21,8 @@ const PATIENCE: Duration = Duration::from_secs(120);
 const ROUNDS: u32 = 2_000;
 /// Worlds of each size.
 const WORLDS: u64 = 5;
+/// How crowded worlds are is looked at in those of these two sizes.
+const LOOKS: [usize; 2] = [0, 2];
 
 pub(crate) fn measure(bench: &mut Bench) -> Result<(), Failure> {
     let bar = ProgressBar::new(SIZES.len() as u64);
@@ -45,7 +47,10 @@ pub(crate) fn measure(bench: &mut Bench) -> Result<(), Failure> {
             Ok(start.elapsed())
         })?);
         if nth == 0 {
-            crowding(bench, &worlds)?;
+            plainly(bench, &worlds, ours[0])?;
+        }
+        if LOOKS.contains(&nth) {
+            crowding(bench, &worlds, size)?;
         }
         bar.inc(1);
     }
@@ -97,13 +102,34 @@ fn report(bench: &mut Bench, ours: &[f64], theirs: &[f64]) {
     bench.curve(curve.with(series("naive: a grid, no charge", theirs)));
 }
 
-/// How crowded the worlds are: without it, growth says little.
-fn crowding(bench: &mut Bench, worlds: &[World]) -> Result<(), Failure> {
+/// The same planner without anything kept: a world from now to the end for each
+/// start, to the byte the same plans.
+fn plainly(bench: &mut Bench, worlds: &[World], ours: f64) -> Result<(), Failure> {
+    let plain = seconds(worlds, 1, |world| {
+        let problem = problem(world)?;
+        let start = Instant::now();
+        let (timed, _) = black_box(schedule_plainly(&problem));
+        let took = start.elapsed();
+        if timed != schedule(&problem, None) {
+            return Err("a plan is another one where nothing is kept".into());
+        }
+        Ok(took)
+    })?;
+    let name = "the same, each start from nothing";
+    bench.figure(18, name, plain * 1e3, "ms", Target::None);
+    bench.figure(18, "the same, each start from nothing / ours", plain / ours, "x", Target::None);
+    Ok(())
+}
+
+/// How crowded the worlds are: where that is not alike, growth says little.
+fn crowding(bench: &mut Bench, worlds: &[World], size: usize) -> Result<(), Failure> {
     let all: Result<Vec<Tightness>, Failure> = worlds.iter().map(tightness).collect();
     let all = all?.into_iter().reduce(Tightness::plus).unwrap_or_default();
-    let name = "intervals of valid starts for each candidate, mean";
-    bench.figure(19, name, all.intervals(), "intervals", Target::None);
-    let name = "candidates that the charge moves or keeps out";
-    bench.figure(19, name, all.bound_by_charge() * 100.0, "%", Target::None);
+    let name = format!("intervals of valid starts for each candidate, mean, of {size}");
+    bench.figure(19, &name, all.intervals(), "intervals", Target::None);
+    let name = format!("candidates that the charge moves or keeps out, of {size}");
+    bench.figure(19, &name, all.bound_by_charge() * 100.0, "%", Target::None);
+    let name = format!("starts tried for each candidate, mean, of {size}");
+    bench.figure(19, &name, all.starts(), "starts", Target::None);
     Ok(())
 }

@@ -1,11 +1,13 @@
 //! What planning costs, how it grows, and what its plans are worth.
 //!
-//! `cargo bench --bench planner`. Rows 18, 19 and 21 of the targets in
+//! `cargo bench --bench planner`. Rows 18 to 21 of the targets in
 //! `docs/performance.md`. The peer is the scheduler that is written first: a
 //! minute's grid, and a look at everything that is placed for each start.
 
 mod growth;
+mod later;
 mod naive;
+mod replan;
 #[path = "../support/mod.rs"]
 mod support;
 mod tightness;
@@ -19,6 +21,7 @@ use faregate_planner::generate::World;
 fn main() -> ExitCode {
     support::run("planner", |bench| {
         growth::measure(bench)?;
+        replan::measure(bench)?;
         value::measure(bench)
     })
 }

@@ -4,7 +4,7 @@ use faregate_planner::generate::World;
 use faregate_planner::timed::{Fate, Limit, Reason};
 use faregate_planner::timeline::{Claim, Timelines};
 use faregate_planner::units::Time;
-use faregate_planner::{Activity, schedule};
+use faregate_planner::{Activity, schedule_in_order};
 
 use crate::problem;
 use crate::support::Failure;
@@ -15,6 +15,7 @@ pub(crate) struct Tightness {
     candidates: u32,
     intervals: u32,
     charge: u32,
+    starts: u64,
 }
 
 impl Tightness {
@@ -23,6 +24,7 @@ impl Tightness {
             candidates: self.candidates + other.candidates,
             intervals: self.intervals + other.intervals,
             charge: self.charge + other.charge,
+            starts: self.starts + other.starts,
         }
     }
 
@@ -39,15 +41,22 @@ impl Tightness {
     }
 }
 
+impl Tightness {
+    /// How many starts are tried for one, all its turns together.
+    pub(crate) fn starts(self) -> f64 {
+        self.starts as f64 / f64::from(self.candidates)
+    }
+}
+
 /// Walks through what the pass decided, in its order.
 pub(crate) fn tightness(world: &World) -> Result<Tightness, Failure> {
     let (problem, plan) = (problem(world)?, &world.plan);
-    let timed = schedule(&problem, None);
+    let (timed, effort) = schedule_in_order(&problem, problem.order(), None);
     let mut timelines = Timelines::new(plan, &world.parameters, &world.state);
     for (order, window) in (plan.activities.len()..).zip(&world.state.windows) {
         timelines.insert(&Claim::window(window, order), window.start);
     }
-    let mut sum = Tightness::default();
+    let mut sum = Tightness { starts: effort.starts, ..Tightness::default() };
     for &item in problem.order() {
         let activity = &plan.activities[item];
         let claim = Claim::of(activity, item, activity.placed(), &world.parameters)?;
