@@ -54,12 +54,14 @@
 //! | `sweep` | what a killed manager has left |
 //! | `functions`, `sequences`, `workers` | what threads do |
 //! | `holds` | what only takes its time |
+//! | `gauge` | how much memory and storage there is, and is used |
 //! | `settings` | what can be set |
 
 mod cgroup;
 mod children;
 mod family;
 mod functions;
+mod gauge;
 mod holds;
 mod launch;
 mod output;
@@ -74,6 +76,7 @@ mod sys;
 mod workers;
 
 pub use functions::{Function, Functions, Invocation, NotRegistered};
+pub(crate) use gauge::Gauge;
 pub use output::{Output, Printed};
 pub use run::RealBodies;
 pub use settings::{Moment, Probe, Settings, Surroundings};

@@ -30,7 +30,7 @@ use std::sync::Arc;
 
 use faregate_client::{Problem, RefusalKind, Refused};
 
-use crate::bodies::{Functions, RealBodies, Settings, Surroundings, Swept};
+use crate::bodies::{Functions, Gauge, RealBodies, Settings, Surroundings, Swept};
 use crate::control::{Links, ReadSchedule, SocketLink};
 use crate::executive::{Commands, Correspondent, HostClock, HostExecutive, Unwritten, Waker};
 use crate::format::{self, Diagnostic};
@@ -240,6 +240,7 @@ impl Builder {
         // What an earlier manager left ends here, before anything starts.
         let mut bodies = RealBodies::new(self.settings, self.waker.clone(), around)?;
         bodies.also_swept(self.swept);
+        links.read(Gauge::start(&self.mission, bodies.users(), self.waker.clone())?);
         let outside = outside(links, &tickets, &self.waker)?;
         let ports = (bodies, tickets, self.kept, outside);
         Ok(HostExecutive::new(self.mission, self.restored, self.waker, self.clock, ports)?)

@@ -135,6 +135,10 @@ impl Group {
         parts.into_iter().rev().collect::<PathBuf>().display().to_string()
     }
 
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// Where a process is forked into.
     pub(super) fn directory(&self) -> BorrowedFd<'_> {
         self.directory.as_fd()

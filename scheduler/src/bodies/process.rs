@@ -20,6 +20,7 @@ use rustix::process::{Pid, Signal, pidfd_send_signal};
 
 use crate::bodies::cgroup::Group;
 use crate::bodies::children;
+use crate::bodies::gauge::Whereabouts;
 use crate::bodies::launch::{self, Started};
 use crate::bodies::output::{Capture, Output};
 use crate::manager::{Exit, Stop};
@@ -107,6 +108,12 @@ impl Process {
 
     pub(super) fn pid(&self) -> Pid {
         self.pid
+    }
+
+    /// Where it and its kin are found.
+    pub(super) fn whereabouts(&self) -> Whereabouts {
+        let group = self.group.as_ref().map(|group| group.path().to_owned());
+        Whereabouts { main: self.main(), group }
     }
 
     /// What it has printed up to now.

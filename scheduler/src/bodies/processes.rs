@@ -12,6 +12,7 @@ use rustix::process::Pid;
 use crate::bodies::cgroup::{Group, Groups};
 use crate::bodies::children::{self, Bell};
 use crate::bodies::family;
+use crate::bodies::gauge::Whereabouts;
 use crate::bodies::launch::{Order, Prepared, Started};
 use crate::bodies::output::{Capture, Output, Scribe};
 use crate::bodies::process::{Became, Process};
@@ -205,6 +206,10 @@ impl Processes {
 
     pub(super) fn pid(&self, attempt: Attempt) -> Option<Pid> {
         self.live.get(&attempt).map(|(_, process)| process.pid())
+    }
+
+    pub(super) fn whereabouts(&self, attempt: Attempt) -> Option<Whereabouts> {
+        self.live.get(&attempt).map(|(_, process)| process.whereabouts())
     }
 
     pub(super) fn memory(&self, attempt: Attempt) -> Option<u64> {

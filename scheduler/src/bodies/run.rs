@@ -7,6 +7,7 @@ use std::os::fd::{AsFd, BorrowedFd};
 use std::path::Path;
 
 use crate::bodies::functions::Calls;
+use crate::bodies::gauge::Users;
 use crate::bodies::holds::Holds;
 use crate::bodies::output::Output;
 use crate::bodies::processes::Processes;
@@ -33,6 +34,8 @@ pub struct RealBodies {
     waker: Waker,
     pending: Vec<Event>,
     outputs: Outputs,
+    /// Whose memory is measured.
+    users: Users,
 }
 
 impl RealBodies {
@@ -59,8 +62,14 @@ impl RealBodies {
             waker,
             pending: Vec::new(),
             outputs: Outputs::new(settings.outputs_kept),
+            users: Users::default(),
             processes: Processes::new(settings, run, ports)?,
         })
+    }
+
+    /// Those whose use of memory is to be measured.
+    pub(crate) fn users(&self) -> Users {
+        self.users.clone()
     }
 
     /// These were swept before, too.
@@ -112,6 +121,10 @@ impl RealBodies {
         match &task.body {
             Body::Process { program, arguments } => {
                 self.processes.start(attempt, program, arguments)?;
+                let whereabouts = self.processes.whereabouts(attempt);
+                if let Some(whereabouts) = whereabouts.filter(|_| task.memory > 0) {
+                    self.users.add(attempt, whereabouts);
+                }
             }
             Body::Function { number, arguments } => {
                 self.calls.start(attempt, *number, arguments, &mut self.workers)?;
@@ -175,8 +188,11 @@ impl Bodies for RealBodies {
         self.sequences.give_up(now, events);
         self.sequences.poll(now, &mut self.workers, events);
         self.holds.poll(now, events);
-        let outputs = &mut self.outputs;
-        self.processes.poll(now, events, |attempt, output| outputs.keep(attempt, output));
+        let (outputs, users) = (&mut self.outputs, &self.users);
+        self.processes.poll(now, events, |attempt, output| {
+            outputs.keep(attempt, output);
+            users.remove(attempt);
+        });
     }
 
     fn next_due(&self) -> Option<Instant> {

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use faregate_client::wire::control::{Answer, StatusQuery};
 use faregate_client::{RefusalKind, Refused};
 
+use crate::bodies::Gauge;
 use crate::control::files::Files;
 use crate::control::{ReadSchedule, StatusSource, status};
 use crate::executive::{Correspondent, LoadedFile, Outside, Waker, Watched};
@@ -49,12 +50,13 @@ pub enum What {
 }
 
 /// All links of a manager, and what else comes from outside: schedule files,
-/// and the heartbeats of tasks.
+/// the heartbeats of tasks, and what was measured.
 #[expect(missing_debug_implementations, reason = "links and a reader of files: nothing to show")]
 pub struct Links {
     links: Vec<Box<dyn Link>>,
     files: Files,
     ports: Option<CommandServer>,
+    gauge: Option<Gauge>,
     next: u64,
     open: HashMap<TelecommandId, (usize, AskId)>,
 }
@@ -65,7 +67,7 @@ impl Links {
     #[must_use]
     pub fn new(schedules: Arc<dyn ReadSchedule>, manager: Waker) -> Self {
         let files = Files::new(schedules, manager);
-        Self { links: Vec::new(), files, ports: None, next: 0, open: HashMap::new() }
+        Self { links: Vec::new(), files, ports: None, gauge: None, next: 0, open: HashMap::new() }
     }
 
     /// Adds a link.
@@ -76,6 +78,11 @@ impl Links {
     /// Hears the heartbeats that come to these ports.
     pub fn hear(&mut self, ports: CommandServer) {
         self.ports = Some(ports);
+    }
+
+    /// Tells what this has measured.
+    pub(crate) fn read(&mut self, gauge: Gauge) {
+        self.gauge = Some(gauge);
     }
 
     /// What was asked since, as events. Questions are answered here.
@@ -103,6 +110,8 @@ impl Links {
         if let Some(ports) = &self.ports {
             ports.poll(events);
         }
+        let readings = self.gauge.as_ref().map(Gauge::take).unwrap_or_default();
+        events.extend(readings.into_iter().map(Event::Reading));
     }
 }
 
