@@ -65,6 +65,8 @@ pub(super) struct Kept {
     pub(super) leaving: bool,
     /// It runs when another one failed, and never by itself.
     pub(super) cleans_up: bool,
+    /// When the last occurrence that ran was over.
+    pub(super) ran_until: Option<UnixTime>,
 }
 
 impl Kept {
@@ -116,6 +118,7 @@ impl Kept {
             satisfied: self.satisfied,
             leaving: self.leaving,
             cleans_up: self.cleans_up,
+            ran_until: self.ran_until,
         }
     }
 }

@@ -83,7 +83,7 @@ impl Replay {
             Record::Starting { attempt } => self.start(attempt),
             Record::Paused { .. } => {}
             Record::Over { attempt, .. } => self.over(attempt),
-            Record::Ended { occurrence, outcome, .. } => self.end(occurrence, outcome),
+            Record::Ended { occurrence, outcome, wall } => self.end(occurrence, outcome, wall),
             Record::Mode { name, entered } => self.mode(name, entered),
             Record::Leaving { task, load } => {
                 self.mark(task, load, |kept| kept.leaving = true);
@@ -154,6 +154,7 @@ impl Replay {
             satisfied: vec![false; task.after.len()],
             leaving: false,
             cleans_up: false,
+            ran_until: None,
             task,
         };
         self.insert(kept);
@@ -264,8 +265,11 @@ impl Replay {
         }
     }
 
-    fn end(&mut self, occurrence: Occurrence, outcome: Outcome) {
+    fn end(&mut self, occurrence: Occurrence, outcome: Outcome, wall: UnixTime) {
         let Some(kept) = self.of(occurrence) else { return };
+        if outcome != Outcome::Missed {
+            kept.ran_until = Some(wall);
+        }
         kept.end(occurrence.number, outcome);
         let cleanup = kept.task.cleanup.filter(|_| is_cleaned_up_after(outcome));
         if let Some(cleanup) = cleanup.and_then(|id| self.tasks.get_mut(&id)) {

@@ -2,7 +2,7 @@
 
 use crate::manager::entry::{Asked, Entry, Misses, Place, Run};
 use crate::manager::limits::{LATENESS, MOST_ENDED};
-use crate::manager::point::{Point, from_duration};
+use crate::manager::point::{Micros, Point, from_duration};
 use crate::manager::step::Step;
 use crate::manager::timers::Kind;
 use crate::manager::{Action, Gap, Note, Record};
@@ -174,23 +174,28 @@ impl Step<'_> {
     /// The present occurrence is over: it ran.
     pub(crate) fn finish(&mut self, index: u32, outcome: Outcome) {
         let Some(entry) = self.entry(index) else { return };
-        let occurrence = entry.occurrence();
+        let (occurrence, has_run) = (entry.occurrence(), entry.has_started());
         let wall = self.wall();
         self.write(Record::Ended { occurrence, outcome, wall });
         self.note(Note::Ended { occurrence, outcome });
         self.unseat(index);
-        self.keep_gap(index);
+        if has_run {
+            self.keep_gap(index, 0);
+        }
         if matches!(outcome, Outcome::Failed | Outcome::Aborted) {
             self.clean_up(index);
         }
         self.conclude(index, outcome);
     }
 
-    fn keep_gap(&mut self, index: u32) {
+    /// Its body ended so long ago: from then on it keeps its categories for a
+    /// while.
+    pub(crate) fn keep_gap(&mut self, index: u32, ago: Micros) {
         let Some(entry) = self.entry(index) else { return };
         let (gap, categories, task) = (entry.task.gap, entry.task.categories.mask(), entry.task.id);
-        if !gap.is_zero() && categories != 0 && entry.attempts > 0 {
-            let until = self.now.elapsed.saturating_add(from_duration(gap));
+        let left = from_duration(gap).saturating_sub(ago);
+        if left > 0 && categories != 0 {
+            let until = self.now.elapsed.saturating_add(left);
             self.manager.gaps.push(Gap { until, categories, task });
         }
     }

@@ -69,6 +69,11 @@ impl Step<'_> {
         if over {
             self.is_over(index);
         }
+        if let Some(ran_until) = restored.ran_until {
+            // Where the clock was set back, all of the gap is to come.
+            let ago = self.now.wall.saturating_sub(ran_until.as_micros()).max(0);
+            self.keep_gap(index, ago);
+        }
         (index, past)
     }
 

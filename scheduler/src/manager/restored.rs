@@ -53,4 +53,6 @@ pub struct RestoredTask {
     /// Whether it runs when another one failed, and never by itself. Such a
     /// task is not over when it ran.
     pub cleans_up: bool,
+    /// When the last occurrence that ran was over: its gap counts from then.
+    pub ran_until: Option<UnixTime>,
 }

@@ -157,6 +157,7 @@ fn restored(task: Task) -> RestoredTask {
         satisfied: vec![],
         leaving: false,
         cleans_up: false,
+        ran_until: None,
     }
 }
 
@@ -508,4 +509,21 @@ fn who_is_put_off_is_not_armed_any_more() {
     let occurrence = occurrence(0);
     let expected = [Record::Armed { occurrence }, Record::Disarmed { occurrence }];
     assert!(told.eq(expected.iter()));
+}
+
+#[test]
+fn a_gap_is_as_long_whoever_is_the_manager_at_its_end() {
+    let spaced = |task: Task| task.categories(1).with(|task| task.gap = seconds(60.0));
+    let other = || task(2, 1.0).categories(1).at(10.0);
+    for (first, down_s, starts) in [
+        (task(1, 5.0), 15, "50.000 task 2 attempt 1 started"),
+        (task(1, 5.0).every(1_000.0), 15, "50.000 task 2 attempt 1 started"),
+        (task(1, 5.0), 70, "0.000 task 2 attempt 1 started"),
+        // The clock was set back: nobody knows how much of it is over.
+        (task(1, 5.0), 1, "60.000 task 2 attempt 1 started"),
+    ] {
+        let mut world = interrupted([spaced(first), other()], 7.0, down_s);
+        world.until(100.0);
+        assert_eq!(world.lines(&["started"]), [starts]);
+    }
 }
