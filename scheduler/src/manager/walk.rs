@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use crate::manager::classes::Head;
+use crate::manager::classes::{ClassId, Head};
 use crate::manager::demand::Demand;
 use crate::manager::entry::{Asked, Entry, Stage, Then};
 use crate::manager::ledger::{Ledger, Part, Short};
@@ -26,6 +26,8 @@ struct Walk {
     waiting: Vec<(TaskId, Arc<Demand>)>,
     slots: usize,
     requests: usize,
+    /// Who waits at the agents for something outside: its class, and why.
+    blocked: Vec<(ClassId, String)>,
     /// Memory and storage of those who have not started.
     starting: (u64, u64),
 }
@@ -76,6 +78,7 @@ impl Step<'_> {
             waiting: Vec::new(),
             slots: 0,
             requests: 0,
+            blocked: Vec::new(),
             starting: (0, 0),
         };
         for gap in &self.manager.gaps {
@@ -129,8 +132,9 @@ impl Step<'_> {
         let id = entry.task.id;
         let objection = self.objection(entry);
         if let (Asked::Blocked(why), None) = (&entry.run.asked, &objection) {
-            let why = WaitsFor::Tickets(why.clone());
             walk.leave_to_the_agents(id, demand);
+            walk.blocked.push((entry.class, why.clone()));
+            let why = WaitsFor::Tickets(why.clone());
             return self.choose(index, Err(why));
         }
         let held_back = objection.is_some();
@@ -159,6 +163,10 @@ impl Step<'_> {
         let Some(entry) = self.entry(head.task) else { return true };
         let id = entry.task.id;
         let demand = self.manager.classes.demand(head.class);
+        if let Some(why) = self.is_out_of_order(walk, head.class) {
+            self.tell_waits(head.task, WaitsFor::Tickets(why));
+            return true;
+        }
         let is_full = walk.slots >= SLOTS || walk.requests >= self.manager.mission.waiting_requests;
         if is_full {
             self.tell_waits(head.task, WaitsFor::Slot);
@@ -180,6 +188,16 @@ impl Step<'_> {
         walk.requests += 1;
         self.enlist(head.task);
         true
+    }
+
+    /// What others of this class wait for at the agents already. So many may wait
+    /// there that somebody else could not: then one of a class is enough.
+    fn is_out_of_order(&self, walk: &Walk, class: ClassId) -> Option<String> {
+        if walk.blocked.len() < self.manager.mission.waiting_requests / 2 {
+            return None;
+        }
+        let alike = walk.blocked.iter().find(|(other, _)| *other == class);
+        alike.map(|(_, why)| why.clone())
     }
 
     /// What keeps an occurrence from running whoever else runs.

@@ -1,11 +1,13 @@
 //! What the manager and the agents say to each other.
 
+use faregate_agents::Categories;
 use faregate_scheduler::Mission;
 use faregate_scheduler::executive::TicketPort;
 use faregate_scheduler::manager::{
     Action, Addition, Attempt, Event, Exit, Manager, Needs, Occurrence, Stop, Telecommand,
     TelecommandId, WaitsFor,
 };
+use faregate_scheduler::mission::DeviceSpec;
 use faregate_scheduler::task::{Preemption, Restart, Task, TaskPriority, When};
 use faregate_scheduler::time::{Instant, Now};
 
@@ -271,4 +273,35 @@ fn a_window_that_closes_while_the_tickets_are_asked_for_ends_the_request() {
     world.add([task(1, 5.0).closes(10.0)]);
     world.until(20.0);
     assert_eq!(world.log.lines, ["10.000 task 1 missed occurrence 0: its window closed"]);
+}
+
+/// A camera whose gate is faulted keeps nobody waiting who does not need it,
+/// however many do.
+#[test]
+fn who_waits_for_what_is_out_of_order_leaves_places_to_others() {
+    let camera = DeviceSpec {
+        name: "camera".into(),
+        kind: "camera".into(),
+        agent: "tasks".into(),
+        draw: None,
+        categories: Categories::NONE,
+        parameters: Default::default(),
+    };
+    let mission = Mission { devices: vec![camera], ..Mission::default() };
+    let pictures = (1..=60).map(|n| {
+        let task = task(n, 5.0).priority(5);
+        task.with(|task| task.gates = vec!["camera".into()])
+    });
+    let (mut manager, mut actions) = Bare::of(mission, pictures.chain([task(99, 5.0).at(5.0)]));
+    let mut asked = 0;
+    while let [Action::Request { occurrence, .. }] = actions[..] {
+        asked += 1;
+        actions = manager.step([Event::Blocked { occurrence, why: "it is faulted".into() }]);
+    }
+    assert_eq!(actions, []);
+    assert!(asked > 1, "it may be for one of them only");
+    manager.1 = 5_000_000;
+    assert_eq!(manager.step([]), [request(99, &[])]);
+    let waits = manager.0.waits_for(of(60)).unwrap().to_string();
+    assert_eq!(waits, "tickets: it is faulted");
 }
