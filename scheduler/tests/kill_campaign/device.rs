@@ -56,11 +56,14 @@ pub(crate) fn driver(place: &Path, broken: Option<Break>) -> Result<Named<Camera
 }
 
 impl Camera {
+    /// A manager can be killed between the deed and the word. So what is written
+    /// down is never that the camera is on when it is not.
     fn switch(&mut self, on: bool) -> io::Result<()> {
-        self.chronicle.note(&Fact::Device(on))?;
         if on {
-            return std::fs::write(&self.file, "");
+            std::fs::write(&self.file, "")?;
+            return self.chronicle.note(&Fact::Device(true));
         }
+        self.chronicle.note(&Fact::Device(false))?;
         match std::fs::remove_file(&self.file) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
             _ => Ok(()),
