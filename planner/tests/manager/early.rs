@@ -107,6 +107,25 @@ fn who_does_not_get_its_tickets_in_time_waits_for_its_planned_start() {
     assert!(stage.start_of(8) >= Some(clock(12, 13)));
 }
 
+/// Who loses what it waits for is taken out by the manager itself, and a removal
+/// of it would be refused. Answers how many leave beside what they wait for.
+fn dependants_leave_first(stage: &Stage, orders: &[Telecommand]) -> usize {
+    let removed = |order: &Telecommand| match order {
+        Telecommand::Remove(ids) => ids.first().copied(),
+        _ => None,
+    };
+    let removed: Vec<_> = orders.iter().filter_map(removed).collect();
+    let mut pairs = 0;
+    for (place, id) in removed.iter().enumerate() {
+        let after = stage.manager().task(*id).map_or(&[][..], |task| &task.after);
+        for prior in after.iter().filter_map(|on| removed.iter().position(|one| *one == on.task)) {
+            assert!(place < prior, "{id} leaves after {}: {removed:?}", removed[prior]);
+            pairs += 1;
+        }
+    }
+    pairs
+}
+
 /// The manager starts a task at the very moment at which a new plan takes it
 /// out: what it was told comes a moment too late.
 #[test]
@@ -134,6 +153,7 @@ fn a_task_that_starts_as_it_is_taken_out_has_run() {
     director.adopt(nothing).expect("tasks of nothing fit");
     let orders = director.turn(now).expect("it needs no plan");
     assert!(orders.contains(&Telecommand::Remove(vec![task])), "{orders:?}");
+    assert!(dependants_leave_first(&stage, &orders) > 0, "there are some");
     let attempt = stage.attempt_of(task);
     director.heard(now, &Note::Started(attempt));
     assert!(director.state().running.iter().any(|one| one.id == leaves), "it runs");
