@@ -181,6 +181,9 @@ fn kibibytes(file: &Path, name: &str) -> Option<u64> {
 
 #[cfg(test)]
 mod tests {
+    use std::io::Read as _;
+    use std::process::{Command, Stdio};
+
     use super::*;
 
     #[test]
@@ -198,13 +201,26 @@ mod tests {
         assert!(*memory > 1 << 20 && *storage > 0, "{readings:?}");
     }
 
+    /// What a shell uses once it has said that it is ready.
+    fn used(script: &str) -> u64 {
+        let mut shell = Command::new("sh");
+        shell.args(["-c", script]).stdin(Stdio::piped()).stdout(Stdio::piped());
+        let mut shell = shell.spawn().unwrap();
+        let mut ready = [0; 1];
+        shell.stdout.take().unwrap().read_exact(&mut ready).unwrap();
+        let main = shell.id().try_into().unwrap();
+        let used = Whereabouts { main, group: None }.memory();
+        // Whoever reads there ends.
+        drop(shell.stdin.take());
+        shell.wait().unwrap();
+        used
+    }
+
     #[test]
-    fn what_this_process_uses_is_measured_with_its_children() {
-        let me = rustix::process::getpid().as_raw_nonzero().get();
-        let before = Whereabouts { main: me, group: None }.memory();
-        let held = vec![1_u8; 64 << 20];
-        let with = Whereabouts { main: me, group: None }.memory();
-        assert!(before > 0 && with > before + (48 << 20), "{before} and then {with}");
-        drop(held);
+    fn a_process_uses_what_it_and_its_children_do() {
+        let large = "all=$(head -c 30000000 /dev/zero | tr '\\0' x); echo; read -r end";
+        let (small, child) = (used("echo; read -r end"), used(&format!("({large}); true")));
+        assert!(small > 0 && small < 20_000_000, "{small}");
+        assert!(child > 30_000_000, "{child}");
     }
 }
