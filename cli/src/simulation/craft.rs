@@ -19,6 +19,7 @@ use faregate_tickets::device::Estimate;
 use super::devices;
 use super::driver::Simulated;
 use crate::exit::Failure;
+use crate::out;
 
 /// What a bus without a limit gives: more than a spacecraft has.
 const UNLIMITED: Milliwatts = Milliwatts::from_watts(u32::MAX);
@@ -158,8 +159,11 @@ impl Bus {
             let mean = Milliwatts::new(u64::try_from(mean).unwrap_or(u64::MAX));
             let part = mean.get() * 100 / truth.supply.get().max(1);
             lines.push(format!(
-                "{}: never more than {} of {}; {mean} on average, {part} %",
-                self.agent, truth.largest_draw, truth.supply
+                "{}: never more than {} of {}; {} on average, {part} %",
+                self.agent,
+                truth.largest_draw,
+                truth.supply,
+                out::about(mean)
             ));
         }
         for unit in truth.units.iter().filter(|unit| unit.finished + unit.lost > 0) {
