@@ -96,6 +96,15 @@ fn a_device_that_cannot_be_simulated_is_told_and_loaded_all_the_same() {
     assert_eq!(said.code, 0, "{said:?}");
     assert!(said.err.contains("toaster") && said.err.contains("gimbal"), "{said:?}");
     assert!(said.out.contains("1 warning"), "{said:?}");
+
+    let battery = "[[mission.device]]\nname = \"cells\"\nkind = \"battery\"\n";
+    let battery = format!("{battery}parameters = {{ capacity = 10 }}\n");
+    let path = scratch.file("battery.toml", format!("{MISSION}{battery}{SCHEDULE}"));
+    let said = call(&["check", path.to_str().unwrap()]);
+    assert_eq!(said.code, 0, "{said:?}");
+    for part in ["the device `cells`", "no parameter `capacity`; it has capacity_wh"] {
+        assert!(said.err.contains(part), "{part}: {said:?}");
+    }
 }
 
 #[test]

@@ -20,7 +20,11 @@ pub(crate) fn complete(mission: &mut Mission) {
 
 /// What is to be said of the mission's devices in a file.
 pub(crate) fn doubts(mission: &Mission, file: &str) -> Vec<Diagnostic> {
-    let (_, wrong) = units(mission);
+    let (_, mut wrong) = units(mission);
+    for device in mission.devices.iter().filter(|device| device.kind == BATTERY) {
+        let why = BatteryModel::new(&device.parameters).err().unwrap_or_default();
+        wrong.extend(why.into_iter().map(|why| (device.name.clone(), why)));
+    }
     let doubt = |(device, why)| Diagnostic {
         severity: Severity::Warning,
         rule: Rule::UnknownName,
