@@ -151,6 +151,23 @@ fn a_file_that_is_too_long_is_refused_before_it_fills_the_memory() {
 }
 
 #[test]
+#[cfg(target_os = "linux")]
+fn a_file_without_an_end_is_refused_when_it_is_too_long() {
+    let scratch = Scratch::new();
+    let zero = scratch.path("zero.csv");
+    std::os::unix::fs::symlink("/dev/zero", &zero).unwrap();
+    // With a limit of memory, so that no host suffers where this fails.
+    let output = std::process::Command::new("sh")
+        .args(["-c", "ulimit -v 1000000; exec \"$@\"", "sh", env!("CARGO_BIN_EXE_faregate")])
+        .args(["check".as_ref(), zero.as_os_str()])
+        .output()
+        .unwrap();
+    let said = Said::from(output);
+    assert_eq!(said.code, 1, "{said:?}");
+    assert!(said.err.contains("is longer than 64 MiB"), "{said:?}");
+}
+
+#[test]
 fn a_variable_that_is_empty_is_as_good_as_none() {
     let scratch = Scratch::new();
     let directory = scratch.path("");
