@@ -18,7 +18,7 @@ pub(crate) use plan::{
     PlanRunArgs, RunFormat, TableFormat, TemplateName,
 };
 
-/// The schedule manager: what runs when, on tickets.
+/// The schedule manager and the onboard planner: what runs when, on tickets.
 #[derive(Debug, Parser)]
 #[command(name = "faregate", version, propagate_version = true, after_help = crate::exit::table())]
 #[command(subcommand_required = true, arg_required_else_help = true)]
