@@ -55,7 +55,10 @@ fn wakeup(given: &Given<'_>, rules: &Rules, i: usize, phase: &Phase) -> Option<V
         _ if after_block => 0,
         _ => rules.wakeup,
     };
-    let off = phase.up - phase.wakeup - length;
+    // What comes too late is cut off by a manual block, or by the end.
+    let blocks = rules.blocks.iter().map(|(start, _)| *start);
+    let stop = blocks.filter(|start| *start >= phase.wakeup).fold(rules.end, i64::min);
+    let off = phase.up - phase.wakeup - length.min(stop - phase.wakeup);
     (off != 0).then(|| Violation::new(Rule::Wakeup, None, phase.wakeup).by(off))
 }
 

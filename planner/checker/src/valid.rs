@@ -8,7 +8,7 @@ use faregate_planner::timed::Limit;
 use crate::lines::{both_hold, data, engines, named, overlap};
 use crate::scene::{How, Placed, Scene};
 use crate::steps::first_past;
-use crate::world::{World, needs};
+use crate::world::{Flaw, World, needs};
 
 /// A limit that one more activity would break.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -187,7 +187,9 @@ fn computer(scene: &Scene<'_>, with: &World<'_>, ours: &[Placed]) -> Option<Brok
 }
 
 pub(crate) fn lead(without: &World<'_>, with: &World<'_>) -> Option<Broken> {
-    let fresh = with.flaws.iter().find(|flaw| !without.flaws.contains(flaw))?;
+    let is_old =
+        |flaw: &&Flaw| without.flaws.iter().any(|old| (old.index, old.at) == (flaw.index, flaw.at));
+    let fresh = with.flaws.iter().find(|flaw| !is_old(flaw))?;
     Some(Broken::of(Limit::Lead, fresh.at, fresh.by.into()))
 }
 

@@ -45,7 +45,8 @@ impl<'a> World<'a> {
         let heating =
             late.iter().map(|late| Flaw { index: Some(late.index), at: late.at, by: late.by });
         let waking = short.iter().map(|short| Flaw { index: None, at: short.at, by: short.by });
-        let flaws = heating.chain(waking).collect();
+        let asleep = not_up(scene, &placed, &heatings, &phases);
+        let flaws = heating.chain(waking).chain(asleep).collect();
         Self::generated(scene, placed, heatings, phases, flaws)
     }
 
@@ -77,6 +78,33 @@ impl<'a> World<'a> {
     pub(crate) fn find(&self, index: usize) -> Option<&Placed> {
         self.placed.iter().find(|placed| placed.index == index)
     }
+}
+
+/// Who needs the computer before it is up: a candidate that begins with what
+/// comes too late by itself comes too late, too.
+fn not_up(
+    scene: &Scene<'_>,
+    placed: &[Placed],
+    heatings: &[Heating<'_>],
+    phases: &[Phase],
+) -> Vec<Flaw> {
+    let runs = placed.iter().filter(|one| !matches!(one.how, How::Block { .. }));
+    let runs = runs.map(|one| (one.index, one.start, one.end));
+    let heated = heatings.iter().filter_map(|heating| {
+        let uses = |one: &&Placed| {
+            let activity = scene.activity(one.index);
+            one.start == heating.end && crate::scene::zones(activity).any(|z| z == heating.zone)
+        };
+        let whose = placed.iter().filter(uses).map(|one| one.index).min()?;
+        Some((whose, heating.start, heating.end))
+    });
+    let needs = runs.chain(heated).filter_map(|(index, start, end)| {
+        let (at, end) = (start.max(scene.now), end.min(scene.end));
+        let phase = phases.iter().find(|phase| phase.down > at && at < end)?;
+        let by = phase.up - at;
+        (by > 0).then_some(Flaw { index: Some(index), at, by })
+    });
+    needs.collect()
 }
 
 /// What is drawn over [start, end).

@@ -30,11 +30,12 @@ pub(super) fn better_of(problem: &Problem, incumbent: &TimedPlan, timed: TimedPl
 /// What the incumbent becomes: all of it at its times where all of it still
 /// fits, or else as much as does; and what fits beside it.
 pub(super) fn keep<'a>(problem: &'a Problem, incumbent: &TimedPlan) -> Pass<'a> {
+    let begun = Pass::new(problem, Some(incumbent));
     let wanted = wanted(problem, incumbent);
-    let slots: Vec<(usize, Slot)> =
-        problem.order().iter().filter_map(|&item| Some((item, wanted[item]?))).collect();
-    let mut pass = whole(Pass::new(problem, Some(incumbent)), &slots)
-        .unwrap_or_else(|| in_turn(Pass::new(problem, Some(incumbent)), &slots));
+    // What is committed is in already.
+    let open = problem.order().iter().filter(|&&item| begun.slots[item].is_none());
+    let slots: Vec<(usize, Slot)> = open.filter_map(|&item| Some((item, wanted[item]?))).collect();
+    let mut pass = whole(begun.clone(), &slots).unwrap_or_else(|| in_turn(begun, &slots));
     pass.look_again(problem.order());
     pass.finish(problem.order());
     pass

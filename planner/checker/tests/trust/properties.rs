@@ -32,15 +32,15 @@ const RIGHT: Planner = Planner {
 /// does not hold.
 type Said = Result<usize, String>;
 
-/// It holds of the planner for so many seeds, and says something at least so
-/// often.
-fn holds(property: fn(u64, Planner) -> Said, count: u64, least: usize) {
+/// It holds of the planner for so many seeds, and says something so often in a
+/// hundred of them, at least.
+fn holds(property: fn(u64, Planner) -> Said, count: u64, percent: u64) {
     let mut said = 0;
     for seed in 0..count {
         said += property(seed, RIGHT).unwrap_or_else(|how| panic!("seed {seed}: {how}"));
     }
     println!("{said} cases in {count} plans");
-    assert!(said >= least, "{said} cases in {count} plans");
+    assert!(said as u64 * 100 >= count * percent, "{said} cases in {count} plans");
 }
 
 /// It does not hold of a broken planner.
@@ -74,7 +74,7 @@ fn is_repeatable(seed: u64, planner: Planner) -> Said {
 
 #[test]
 fn equal_input_gives_equal_bytes() {
-    holds(is_repeatable, seeds(1_000), 1_000);
+    holds(is_repeatable, seeds(1_000), 100);
     catches(is_repeatable, broken::MOODY);
 }
 
@@ -115,7 +115,7 @@ fn ignores_what_is_out(seed: u64, planner: Planner) -> Said {
 
 #[test]
 fn removing_what_is_left_out_changes_nothing_but_its_row() {
-    holds(ignores_what_is_out, seeds(1_000), 1_000);
+    holds(ignores_what_is_out, seeds(1_000), 100);
     catches(ignores_what_is_out, broken::COUNTING);
 }
 
@@ -150,7 +150,7 @@ fn never_gets_worse(seed: u64, planner: Planner) -> Said {
 
 #[test]
 fn what_is_improved_is_never_worth_less_and_keeps_every_rule() {
-    holds(never_gets_worse, seeds(400), 20);
+    holds(never_gets_worse, seeds(400), 5);
     catches(never_gets_worse, broken::CARELESS);
     catches(never_gets_worse, broken::FORGETFUL);
     catches(never_gets_worse, broken::BOASTING);
@@ -158,6 +158,6 @@ fn what_is_improved_is_never_worth_less_and_keeps_every_rule() {
 
 #[test]
 fn with_more_slack_and_the_old_plan_nothing_is_worth_less() {
-    holds(slack::never_costs, seeds(400), 100);
+    holds(slack::never_costs, seeds(400), 50);
     catches(slack::never_costs, broken::FORGETFUL);
 }

@@ -51,7 +51,8 @@ fn committed(case: &Case) -> usize {
 fn planning_again_answers_what_trying_every_start_answers() {
     let (mut wrong, mut commits, mut kept, mut forgetful) = (Vec::new(), 0, 0, 0);
     let count = seeds(1_000);
-    for seed in 0..count {
+    let only = std::env::var("SEED").ok().and_then(|seed| seed.parse::<u64>().ok());
+    for seed in (0..count).filter(|seed| only.is_none_or(|only| only == *seed)) {
         let case = case(seed, TINY);
         let World { plan, parameters, state } = &case.world;
         let slow = reference(plan, parameters, state, Some(&case.incumbent));
@@ -61,6 +62,9 @@ fn planning_again_answers_what_trying_every_start_answers() {
                 "seed {seed}: {}",
                 difference(&case.world, Some(&case.incumbent), &fast, &slow)
             );
+            if only.is_some() {
+                println!("{}", told(&case.world, &slow));
+            }
             wrong.push(seed);
         }
         commits += usize::from(committed(&case) > 0);
