@@ -83,6 +83,7 @@ impl Step<'_> {
         }
         let class = self.manager.classes.join(Demand::of(&task, &self.manager.mission));
         let entry = Entry {
+            gone: Vec::new(),
             satisfied: vec![false; task.after.len()],
             task,
             load,
@@ -150,7 +151,11 @@ impl Step<'_> {
                 continue;
             }
             let prior = self.manager.by_id.get(&after.task).and_then(|prior| self.entry(*prior));
-            let Some(prior) = prior else { return Some(gone(after.task)) };
+            // A routine one that was removed is kept by the journal for its outcome.
+            let is_gone = |prior: &&Entry| prior.place == Place::Over && prior.is_routine();
+            let Some(prior) = prior.filter(|prior| !is_gone(prior)) else {
+                return Some(gone(after.task));
+            };
             if prior.place != Place::Over {
                 continue;
             }

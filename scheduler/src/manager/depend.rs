@@ -45,8 +45,8 @@ impl Step<'_> {
     /// Outcomes of routine tasks satisfy each dependant once.
     pub(crate) fn spend_dependencies(&mut self, index: u32) {
         let Some(entry) = self.entry(index) else { return };
-        let again: Vec<bool> =
-            entry.task.after.iter().map(|after| self.is_lasting(after.task)).collect();
+        let lasts = |id: TaskId| !entry.gone.contains(&id) && self.is_lasting(id);
+        let again: Vec<bool> = entry.task.after.iter().map(|after| lasts(after.task)).collect();
         if let Some(entry) = self.entry_mut(index) {
             for (satisfied, lasting) in entry.satisfied.iter_mut().zip(again) {
                 *satisfied &= lasting;
@@ -151,8 +151,13 @@ impl Step<'_> {
         for (dependant, number) in self.manager.dependants.get(&id).cloned().unwrap_or_default() {
             let Some(entry) = self.entry(dependant) else { continue };
             let satisfied = entry.satisfied.get(number).copied().unwrap_or(false);
-            if entry.place != Place::Over && !satisfied && !entry.has_started() {
+            if entry.place == Place::Over || entry.has_started() {
+                continue;
+            }
+            if !satisfied {
                 self.never_runs(dependant, gone(id));
+            } else if let Some(entry) = self.entry_mut(dependant) {
+                entry.gone.push(id);
             }
         }
     }

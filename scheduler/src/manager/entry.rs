@@ -4,7 +4,7 @@ use crate::manager::classes::ClassId;
 use crate::manager::point::{Micros, Point, Present};
 use crate::manager::rank::Rank;
 use crate::manager::{Attempt, Occurrence, Stop, WaitsFor, timers};
-use crate::task::{Body, BuiltIn, Outcome, Task};
+use crate::task::{Body, BuiltIn, Outcome, Task, TaskId};
 
 /// A task of the schedule.
 #[derive(Clone, Debug)]
@@ -40,6 +40,8 @@ pub(crate) struct Entry {
     pub(crate) armed: bool,
     /// Is started by the failure of another task, and not by time.
     pub(crate) cleans_up: bool,
+    /// Priors that are gone, and whose last outcomes it has: for one start.
+    pub(crate) gone: Vec<TaskId>,
     /// Which dependencies are satisfied, in the task's order.
     pub(crate) satisfied: Vec<bool>,
     pub(crate) misses: Option<Misses>,

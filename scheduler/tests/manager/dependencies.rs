@@ -1,6 +1,7 @@
 //! Dependencies on what became of other tasks, and tasks that clean up.
 
 use faregate_scheduler::Task;
+use faregate_scheduler::journal::replay;
 use faregate_scheduler::manager::{Exit, Reply, Telecommand};
 use faregate_scheduler::task::{Dependency, Status};
 
@@ -164,6 +165,27 @@ fn a_routine_task_whose_prior_was_removed_while_it_ran_never_runs_again() {
         ]
     );
     assert!(world.manager().is_over());
+}
+
+/// The last outcome is good for one start, whoever is the manager then.
+#[test]
+fn an_outcome_of_a_routine_task_that_was_removed_is_used_once() {
+    let dependant = after(task(2, 1.0).every(10.0).at(5.0), 1, Status::Succeeded);
+    let mut world = World::of([task(1, 1.0).every(10.0), dependant]);
+    world.until(2.0);
+    world.ask(Telecommand::Remove(vec![id(1)]));
+    let records = world.journal.records.clone();
+    let again = World::restored(Default::default(), replay(records), 3);
+    for (mut world, at) in [(world, 5), (again, 2)] {
+        world.until(60.0);
+        assert_eq!(
+            world.lines(&["task 2 attempt 1 started", "task 2 occurrence", "task 2 never"]),
+            [
+                format!("{at}.000 task 2 attempt 1 started"),
+                format!("{}.000 task 2 never runs: task 1 was taken out of the schedule", at + 1),
+            ]
+        );
+    }
 }
 
 fn cleaned(number: u32, takes: f64) -> Task {
