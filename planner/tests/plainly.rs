@@ -16,7 +16,7 @@ fn problem(world: &World) -> Problem {
 /// the charge keeps much out.
 fn worlds() -> impl Iterator<Item = (Shape, World)> {
     let shapes = (0..12_u64).map(|seed| {
-        let (per_sol, draw) = [(10, 60), (25, 100), (60, 40), (60, 100)][(seed % 4) as usize];
+        let (per_sol, draw) = [(45, 100), (60, 60), (60, 100), (90, 100)][(seed % 4) as usize];
         Shape { per_sol: Some(per_sol), draw, ..Shape::sols(90, seed) }
     });
     shapes.chain((0..8).map(|seed| Shape::small(40, seed))).map(|shape| (shape, shape.draw()))

@@ -28,14 +28,13 @@ impl<W: Watch> Sweep<'_, '_, W> {
             return None;
         }
         let computer = self.problem.computer;
-        let cursor = self.think(self.cursor, until, computer.awake);
-        if !cursor.is_past(&own.steps) {
+        if own.steps.last().is_some_and(|last| !self.reach.le(last.at, until)) {
             return None;
         }
         // Once it was awake for long enough, it no longer matters since when.
         let long = self.reach.le(begun.counted.later(computer.min_awake), until);
         let (met, phases) = (self.met.0, self.phases);
-        let open = Open { begun, until, cursor, met, phases };
+        let open = Open { begun, until, cursor: self.cursor, met, phases };
         if !self.watch.knows(&open, long, &mut self.reach) {
             return None;
         }

@@ -52,12 +52,7 @@ impl World {
 
     /// The phase in which the last of so many needs is met, how it began, and
     /// until when they keep it up.
-    fn phase_of(
-        &self,
-        problem: &Problem,
-        placed: &Placed,
-        met: usize,
-    ) -> Option<(usize, Up, i64)> {
+    fn phase_of(&self, problem: &Problem, placed: &Placed, met: usize) -> Option<(usize, Up, i64)> {
         if !problem.blocks.is_empty() || !self.late.is_empty() {
             return None;
         }

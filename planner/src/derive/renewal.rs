@@ -75,8 +75,12 @@ impl World {
         new.pieces.extend_from_slice(&self.pieces[..self.at(at)]);
         new.close(at, charge);
         new.phases.extend_from_slice(&self.phases[..mark.phases]);
-        new.marks.extend(self.marks.iter().take_while(|old| old.cursor.at.at <= at));
-        new.depends.extend(self.depends.iter().take_while(|&&depends| depends < at));
+        let marks = self.marks.partition_point(|old| old.cursor.at.at <= at);
+        new.marks.extend_from_slice(&self.marks[..marks]);
+        let rooms = self.room.partition_point(|&(room, _)| room < at);
+        new.room.extend_from_slice(&self.room[..rooms]);
+        let depends = self.depends.partition_point(|&depends| depends < at);
+        new.depends.extend_from_slice(&self.depends[..depends]);
         new
     }
 }
@@ -90,13 +94,16 @@ impl Renewal {
         let moved = |piece: &Piece| Piece { charge: piece.charge + change, ..*piece };
         self.new.pieces.pop();
         self.new.pieces.extend(self.old.pieces[first..last].iter().map(moved));
+        let (begin, end) = (here.cursor.at.at, to.map_or(i64::MAX, |to| to.cursor.at.at));
+        let rooms = |until: i64| self.old.room.partition_point(|&(at, _)| at < until);
+        let rooms = &self.old.room[rooms(begin)..rooms(end)];
+        self.new.room.extend(rooms.iter().map(|&(at, room)| (at, room - change)));
         let phases = to.map_or(self.old.phases.len(), |to| to.phases);
         self.new.phases.extend_from_slice(&self.old.phases[here.phases..phases]);
         let (here, there) = (*here, *there);
         let carried = |mark: &Mark| mark.carried(&here, &there, self.more);
-        let after = |mark: &&Mark| mark.cursor.at.at > here.cursor.at.at;
-        let until = |mark: &&Mark| to.is_none_or(|to| mark.cursor.at.at <= to.cursor.at.at);
-        let passed = self.old.marks.iter().skip_while(|mark| !after(mark)).take_while(until);
+        let marks = |until: i64| self.old.marks.partition_point(|old| old.cursor.at.at <= until);
+        let passed = self.old.marks[marks(begin)..marks(end)].iter();
         self.new.marks.extend(passed.map(carried));
         let Some(to) = to else { return After::Over };
         self.new.close(to.cursor.at.at, to.cursor.charge.at + change);
@@ -117,6 +124,10 @@ impl Watch for Renewal {
         self.new.depends(at);
     }
 
+    fn room(&mut self, at: i64, more: i64) {
+        self.new.room(at, more);
+    }
+
     fn phase(&mut self, phase: Phase) {
         self.new.phase(phase);
     }
@@ -125,12 +136,11 @@ impl Watch for Renewal {
         let _ = self.new.asleep(mark, reach);
         let at = mark.cursor.at.at;
         let Some(old) = self.old.mark_at(at).copied() else { return After::On };
-        if at <= self.last
-            || !old.is_beside(mark, self.more)
-            || mark.cursor.charge.at > old.cursor.charge.at {
+        if at <= self.last || !old.is_beside(mark, self.more) {
             return After::On;
         }
-        match self.old.leap(at) {
+        let more = mark.cursor.charge.at - old.cursor.charge.at;
+        match self.old.leap(at).filter(|leap| more <= leap.room) {
             Some(leap) => self.carry(&old, mark, leap.to.as_ref()),
             None => After::On,
         }

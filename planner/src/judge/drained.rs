@@ -25,9 +25,8 @@ impl Rest<'_> {
         let battery = &problem.battery;
         let (at, least) = leap.lowest;
         let soft = lacks(battery.soft, least).then_some(at);
-        let is_in = |&at: &i64| {
-            optional && end <= at && leap.to.is_none_or(|to| at < to.cursor.at.at)
-        };
+        let is_in =
+            |&at: &i64| optional && end <= at && leap.to.is_none_or(|to| at < to.cursor.at.at);
         let handover = problem.handover.filter(is_in);
         let handover = handover.filter(|&at| lacks(battery.handover, world.charge(at)));
         let later = soft.max(handover)?;
