@@ -2,7 +2,7 @@
 //! finishes early.
 
 use faregate_agents::Categories;
-use faregate_planner::execute::Action;
+use faregate_planner::execute::{Action, Options};
 use faregate_planner::plan::{Outcome, StartRange};
 use faregate_planner::timed::TimedPlan;
 use faregate_planner::trace::Why;

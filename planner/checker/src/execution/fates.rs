@@ -10,7 +10,7 @@ use crate::violation::Rule;
 impl<'a> Walk<'a> {
     pub(super) fn ends(&mut self, id: ActivityId, outcome: Outcome) {
         // Nobody starts the ground's own shutdown.
-        let manual = self.activity(id).is_some_and(|activity| is_manual(activity));
+        let manual = self.activity(id).is_some_and(is_manual);
         if self.runs.remove(&id).is_none() && !manual {
             self.blame(Rule::Fate, id, "ended without having been started");
         }

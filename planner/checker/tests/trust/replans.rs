@@ -67,20 +67,20 @@ fn planning_again_answers_what_trying_every_start_answers() {
             }
             wrong.push(seed);
         }
-        commits += usize::from(committed(&case) > 0);
+        commits += u64::from(committed(&case) > 0);
         let pass = schedule_in_order(&case.problem, case.problem.order(), Some(&case.incumbent)).0;
         kept += usize::from(pass != fast);
         // A planner that forgets what is being executed does not pass for this one.
         let anew = schedule(&case.problem, None);
-        forgetful += usize::from(bare(&anew) != bare(&slow));
+        forgetful += u64::from(bare(&anew) != bare(&slow));
     }
     println!(
         "{count} plans made again: {commits} with something in the commit window, {kept} kept"
     );
     println!("the incumbent makes a difference in {forgetful}");
     assert_eq!(wrong, [0; 0]);
-    assert!(commits * 10 > count as usize && kept > 2, "{commits} {kept}");
-    assert!(forgetful * 10 > count as usize, "{forgetful}");
+    assert!(commits * 10 > count && kept > 2, "{commits} {kept}");
+    assert!(forgetful * 10 > count, "{forgetful}");
 }
 
 #[test]
@@ -94,7 +94,7 @@ fn days_planned_again_keep_every_rule() {
             let effort = Effort { grid: 4 };
             let wrong = check(plan, parameters, state, Some(&case.incumbent), &timed, effort);
             assert_eq!(wrong, [], "seed {seed}: {}", told(&case.world, &timed));
-            commits += usize::from(committed(&case) > 0);
+            commits += u64::from(committed(&case) > 0);
         }
     }
     assert!(commits > 20, "{commits}");

@@ -7,8 +7,11 @@ use faregate_tickets::amount::Milliwatts;
 use super::{Planner, Said, problem, told};
 use crate::worlds::{TINY, World, world};
 
+/// What there is more of, and how it is made more.
+type More = (&'static str, fn(&mut World));
+
 /// Each leaves everything that is derived from a plan as it was.
-const MORE: [(&str, fn(&mut World)); 7] = [
+const MORE: [More; 7] = [
     ("peak", |world| {
         let limit = &mut world.parameters.peak_limit;
         *limit = limit.saturating_add(Milliwatts::from_watts(40));
