@@ -113,6 +113,11 @@ impl Rover {
         self.now(|world, now| world.start(now, key, spec));
     }
 
+    /// A sequence stands still, in its place.
+    pub fn pause(&self, key: RunKey) {
+        self.now(|world, now| world.pause(now, key));
+    }
+
     /// A sequence that stood still goes on.
     pub fn resume(&self, key: RunKey) {
         self.now(|world, now| world.resume(now, key));

@@ -179,7 +179,7 @@ impl Control {
             if all_is_said {
                 self.notice_silence();
             }
-            self.abort_what_must_not_go_on();
+            self.abort_what_must_not_go_on(all_is_said);
             self.take_over();
             self.close_ranges();
             self.run_computer();

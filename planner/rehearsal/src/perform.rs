@@ -165,11 +165,16 @@ impl Host<'_, '_, '_> {
         }
     }
 
-    /// It stands still already: its place was made safe.
+    /// Its sequence stands still. That its tickets are revoked does not stop it:
+    /// what nobody else needs is not made safe until somebody does.
     fn pause(&mut self, id: ActivityId) {
         self.note(Happened::Paused(id));
         if self.setup.breaks.goes_on {
+            // Also where somebody needed its devices, and they were made safe.
+            self.station.service();
             self.rover.resume(id.get());
+        } else {
+            self.rover.pause(id.get());
         }
     }
 

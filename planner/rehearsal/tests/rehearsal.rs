@@ -11,8 +11,8 @@ use faregate_planner::execute::Options;
 use faregate_planner::plan::{Dependency, Kind, Outcome, Status};
 use faregate_planner::state::{Mode, Window};
 use faregate_planner::trace::{Cause, Happened, Trace, Why};
-use faregate_planner::units::{Bytes, Span, Time};
-use faregate_planner::{Activity, ActivityId, Plan};
+use faregate_planner::units::{Bytes, Ppm, Span, Time};
+use faregate_planner::{Activity, ActivityId, Parameters, Plan};
 use faregate_rehearsal::{Draw, Draws, Mishap, Odds, Script, Setup, Summary, Won, rehearse};
 use faregate_tickets::amount::{Microjoules, Milliwatts};
 use support::{BIT, activity, early, id, min, planner, setup, started, when};
@@ -46,6 +46,9 @@ fn what_ends_early_pulls_the_next_ones_in_and_the_plan_as_it_stands_does_not() {
     for number in 1..6 {
         ours.draws.set(id(number), early(500));
     }
+    // Else whoever is done sooner may be up longer: a full battery ends its sleep.
+    let max_soc = Ppm::new(1_000_000);
+    ours.parameters = Arc::new(Parameters { max_soc, ..Parameters::clone(&ours.parameters) });
     let theirs = Setup { options: Options::STATIC, ..ours.clone() };
     let (here, there) = (executed(&ours), executed(&theirs));
     let length = |trace: &Trace, number| {
@@ -208,7 +211,7 @@ fn falls_in_silence() -> Setup {
     let mut setup = setup(vec![Activity { duration: Span::from_mins(60), ..activity(1) }]);
     let at = started(&executed(&setup), 1).expect("it starts").after(Span::from_mins(3));
     let energy = Microjoules::new(setup.state.capacity.get() / 100 * 70);
-    let until = at.after(Span::from_mins(50));
+    let until = at.after(Span::from_mins(90));
     setup.script = Script(vec![
         Mishap::SensorsSilent { from: at, until },
         Mishap::Discharge { at: at.after(Span::from_secs(1)), energy },

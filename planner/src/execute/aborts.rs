@@ -6,8 +6,12 @@ use crate::state::Running;
 use crate::trace::Cause;
 
 impl Control {
-    pub(super) fn abort_what_must_not_go_on(&mut self) {
-        self.tell_to_end();
+    /// What has run its time may have ended at this very instant: that is judged
+    /// when everything that happened at it is known.
+    pub(super) fn abort_what_must_not_go_on(&mut self, all_is_said: bool) {
+        if all_is_said {
+            self.tell_to_end();
+        }
         if self.is_below(self.parameters.hard_min_soc) {
             self.spent = true;
         }
@@ -15,19 +19,19 @@ impl Control {
             .state
             .running
             .iter()
-            .filter_map(|running| Some((running.id, self.cause(running)?)))
+            .filter_map(|running| Some((running.id, self.cause(running, all_is_said)?)))
             .collect();
         for (id, cause) in aborted {
             self.abort(id, cause);
         }
     }
 
-    fn cause(&self, running: &Running) -> Option<Cause> {
+    fn cause(&self, running: &Running, all_is_said: bool) -> Option<Cause> {
         let activity = self.activity(running.id)?;
         let (now, runs) = (self.state.now, running.paused.is_none());
         let optional = !self.is_mandatory(activity);
         let draws = runs && !activity.marginal.is_zero();
-        if now >= running.cutoff.min(self.plan.end) {
+        if all_is_said && now >= running.cutoff.min(self.plan.end) {
             Some(Cause::Cutoff)
         } else if self.block_now().is_some() {
             // The ground wants the computer off.
@@ -38,7 +42,7 @@ impl Control {
             Some(Cause::ChargeUnknown)
         } else if optional && draws && self.below_soft >= self.parameters.soft_samples.max(1) {
             Some(Cause::SoftLimit)
-        } else if optional && runs && now >= self.patience(activity, running) {
+        } else if all_is_said && optional && runs && now >= self.patience(activity, running) {
             Some(Cause::Duration)
         } else {
             None

@@ -75,6 +75,12 @@ impl World {
         self.see();
     }
 
+    pub(crate) fn pause(&mut self, now: Instant, key: RunKey) {
+        self.advance_to(now);
+        self.stop_run(key);
+        self.see();
+    }
+
     pub(crate) fn resume(&mut self, now: Instant, key: RunKey) {
         self.advance_to(now);
         if let Some(run) = self.runs.get_mut(&key) {

@@ -15,14 +15,15 @@ impl World {
             .zones
             .iter()
             .map(|zone| ZoneTruth { temperature: zone.temperature(), heater_on: zone.heater_on });
-        let running = self.runs.values().map(|run| run.data());
+        let running = self.runs.values().filter(|run| !run.stopped);
+        let made = self.runs.values().map(|run| run.data());
         RoverTruth {
             charge: Microjoules::new(self.battery.stored_nj() / 1_000),
             load,
             peak,
-            // Who stands still keeps its engines.
-            engines: self.runs.values().map(|run| run.spec.engines).sum(),
-            data: running.fold(self.data, i64::saturating_add),
+            // The engines of who stands still are somebody else's to use.
+            engines: running.clone().map(|run| run.spec.engines).sum(),
+            data: made.fold(self.data, i64::saturating_add),
             mode: self.mode,
             zones: zones.collect(),
             units: self.units.clone(),

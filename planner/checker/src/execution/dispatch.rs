@@ -69,16 +69,15 @@ impl Walk<'_> {
     }
 
     /// Bits and engines, with what runs and open windows. Whoever is paused lost
-    /// its tickets, and so its bits; its engines are where its sequence stands.
+    /// its tickets, and with them both.
     fn beside(&mut self, activity: &Activity) {
-        let running = self.runs.keys().filter_map(|id| self.activity(*id));
-        let windows = self.windows.iter().filter_map(|index| self.trace.windows.get(*index));
-        let (running, windows): (Vec<_>, Vec<_>) = (running.collect(), windows.collect());
         let working = self.runs.iter().filter(|(_, runs)| runs.paused.is_none());
-        let mut working = working.filter_map(|(id, _)| self.activity(*id));
-        let shares = working.any(|other| other.resources.overlaps(activity.resources))
+        let working = working.filter_map(|(id, _)| self.activity(*id));
+        let windows = self.windows.iter().filter_map(|index| self.trace.windows.get(*index));
+        let (working, windows): (Vec<_>, Vec<_>) = (working.collect(), windows.collect());
+        let shares = working.iter().any(|other| other.resources.overlaps(activity.resources))
             || windows.iter().any(|window| window.resources.overlaps(activity.resources));
-        let engines = running.iter().map(|other| other.engines).sum::<u32>()
+        let engines = working.iter().map(|other| other.engines).sum::<u32>()
             + windows.iter().map(|window| window.engines).sum::<u32>();
         if shares {
             self.blame(Rule::RanResources, activity.id, "");

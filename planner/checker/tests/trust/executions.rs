@@ -60,7 +60,7 @@ fn execution(seed: u64) -> Option<Execution> {
     }
     let problem = Problem::new(&world.plan, &world.parameters, &world.state).ok()?;
     let timed = schedule(&problem, None);
-    let mut entries = vec![first(&world, &timed), truth(&world)];
+    let mut entries = vec![first(&world, &timed), truth(&world, &timed)];
     entries.extend(modes(&timed));
     entries.extend(windows(&world));
     for (row, activity) in timed.rows.iter().zip(&world.plan.activities) {
@@ -106,11 +106,23 @@ fn first(world: &World, timed: &TimedPlan) -> Entry {
     Entry { at: world.state.now, what: Happened::Planned { why: vec![Why::First], state, timed } }
 }
 
-fn truth(world: &World) -> Entry {
-    let charge = world.state.capacity;
-    let (load, peak) = (Milliwatts::ZERO, Milliwatts::ZERO);
+/// What the computer draws then; nothing else is exact.
+fn truth(world: &World, timed: &TimedPlan) -> Entry {
+    let (now, p) = (world.state.now, &world.parameters);
+    let begun = modes(timed).into_iter().filter(|entry| entry.at <= now);
+    let mode = begun.last().map_or(world.state.mode, |entry| match entry.what {
+        Happened::Mode(mode) => mode,
+        _ => world.state.mode,
+    });
+    let load = match mode {
+        Mode::Asleep => Milliwatts::ZERO,
+        Mode::WakingUp => p.wakeup.load.marginal,
+        Mode::Awake => p.awake.marginal,
+        Mode::ShuttingDown => p.shutdown.load.marginal,
+    };
+    let (charge, peak) = (world.state.capacity, Milliwatts::ZERO);
     let truth = Truth { charge, load, peak, engines: 0, data: Bytes::ZERO };
-    Entry { at: world.state.now, what: Happened::Truth(truth) }
+    Entry { at: now, what: Happened::Truth(truth) }
 }
 
 fn modes(timed: &TimedPlan) -> Vec<Entry> {

@@ -72,8 +72,23 @@ fn at_the_end(e: &Execution) -> Truth {
         _ => 0,
     });
     let data = Bytes::new(made.sum());
-    let (charge, none) = (e.world.state.capacity, Milliwatts::ZERO);
+    let (charge, none) = (charge_at_the_end(e), Milliwatts::ZERO);
     Truth { charge, load: none, peak: none, engines: 0, data }
+}
+
+/// With the load of the begin, which is all that was recorded.
+fn charge_at_the_end(e: &Execution) -> Microjoules {
+    let first = e.trace.entries.iter().find_map(|entry| match &entry.what {
+        Happened::Truth(truth) => Some((entry.at, truth)),
+        _ => None,
+    });
+    let (since, truth) = first.expect("there is one at the begin");
+    let p = &e.world.parameters;
+    let signed = |mw: Milliwatts| i128::from(mw.get());
+    let net = signed(p.rtg) - signed(p.base) - signed(truth.load);
+    let charge = i128::from(truth.charge.get()) + net * i128::from(e.trace.end.since(since).get());
+    let charge = charge.clamp(0, e.world.state.capacity.get().into());
+    Microjoules::new(u64::try_from(charge).expect("a charge"))
 }
 
 fn ends_with(e: &mut Execution, change: impl FnOnce(&mut Truth)) -> bool {
@@ -92,8 +107,8 @@ pub(crate) fn draws_asleep(e: &mut Execution) -> bool {
     ends_with(e, |truth| truth.load = Milliwatts::new(1))
 }
 
-pub(crate) fn loses_charge(e: &mut Execution) -> bool {
-    ends_with(e, |truth| truth.charge = Microjoules::new(truth.charge.get() - 1_000))
+pub(crate) fn finds_charge(e: &mut Execution) -> bool {
+    ends_with(e, |truth| truth.charge = Microjoules::new(truth.charge.get() + 1_000_000))
 }
 
 pub(crate) fn loses_data(e: &mut Execution) -> bool {

@@ -35,7 +35,7 @@ pub(super) const MUTANTS: &[Entry] = &[
     (Rule::TookOver, "forgets the next plan", Executed(physics::forgets_next)),
     (Rule::TookOver, "hands over 1 ms late", Executed(physics::hands_over_late)),
     (Rule::TrueLoad, "draws 1 mW asleep", Executed(physics::draws_asleep)),
-    (Rule::TrueCharge, "loses 1 mJ", Executed(physics::loses_charge)),
+    (Rule::TrueCharge, "finds 1 J", Executed(physics::finds_charge)),
     (Rule::TrueData, "loses 1 B", Executed(physics::loses_data)),
     (Rule::TimelinesTold, "plans with what was", Executed(physics::old_timelines)),
     (Rule::InOrder, "records late", Executed(executions::out_of_order)),
