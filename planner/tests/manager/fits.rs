@@ -4,10 +4,14 @@ use std::sync::Arc;
 
 use faregate_planner::timed::Fate;
 
-use faregate_planner::plan::{Dependency, Status};
-use faregate_planner::tasks::{Disagreement, Misfit, mission_fits, plan_fits, tasks};
+use faregate_planner::plan::{Dependency, Outcome, Status};
+use faregate_planner::state::Ended;
+use faregate_planner::tasks::{Disagreement, Misfit, Setting, mission_fits, plan_fits, tasks};
+use faregate_planner::timed::TimedPlan;
 use faregate_planner::units::Span;
-use faregate_planner::{Plan, Problem, schedule};
+use faregate_planner::{Plan, Problem, State, schedule};
+use faregate_scheduler::task::{Body, Step, Task, When};
+use faregate_scheduler::time::Duration;
 use faregate_tickets::amount::Milliwatts;
 
 use crate::stage::{id, library, mission, parameters, setting, state};
@@ -176,4 +180,79 @@ fn activities_whose_devices_draw_more_than_there_is_are_told_before_anything_run
     // The control: exactly as much is enough.
     mission.agents[1].supply = Some(Milliwatts::from_watts(120));
     assert_eq!(plan_fits(&plan, &library(), &mission).len(), 1);
+}
+
+/// The tasks of the busy sol with another setting and another state.
+fn tasks_of(setting: &Setting, state: &State) -> (Vec<Task>, TimedPlan) {
+    let problem = Problem::new(&setting.plan, &setting.parameters, state).unwrap();
+    let timed = schedule(&problem, None);
+    (tasks(setting, &state.windows, &timed, state.now).unwrap(), timed)
+}
+
+#[test]
+fn nobody_waits_for_a_task_that_is_not_there() {
+    let (setting, mut state) = (setting(), state());
+    let (ended, started) = (state.now, Some(state.now.before(Span::from_mins(9))));
+    let succeeded = |number: u32| Ended {
+        id: id(number),
+        outcome: Outcome::Succeeded,
+        started,
+        ended,
+        data: Default::default(),
+    };
+    state.ended = vec![succeeded(2), succeeded(3)];
+    let (tasks, _) = tasks_of(&setting, &state);
+    let there = |task| tasks.iter().any(|one| one.id == task);
+    for one in &tasks {
+        assert!(one.after.iter().all(|on| there(on.task)), "{} waits: {:?}", one.id, one.after);
+    }
+    assert!(tasks.iter().any(|one| one.id.get() == 4), "the drive has what it depends on");
+}
+
+#[test]
+fn heating_draws_what_the_zone_draws_beside_its_heaters() {
+    let mut setting = setting();
+    let mut mission = mission();
+    for heater in mission.devices.iter_mut().filter(|one| one.name == "heater_wheels") {
+        heater.draw = Some(Milliwatts::from_watts(50));
+    }
+    setting.mission = Arc::new(mission);
+    let (tasks, _) = tasks_of(&setting, &state());
+    let heating = tasks.iter().find(|one| one.name.as_deref() == Some("heat wheels")).unwrap();
+    let zones = &setting.parameters.zones;
+    let zone = zones.iter().find(|zone| zone.name == "wheels").unwrap();
+    let rest = zone.load.peak.saturating_sub(Milliwatts::from_watts(50));
+    assert!(!rest.is_zero());
+    assert_eq!(heating.peak_draw, rest);
+}
+
+#[test]
+fn an_optional_drive_is_told_to_end_and_has_a_grace_as_its_cutoff() {
+    let mut setting = setting();
+    let mut parameters = (*setting.parameters).clone();
+    parameters.mandatory_from = 1_000;
+    setting.parameters = Arc::new(parameters);
+    let mut library = library();
+    let mut steps = library.steps("drive").unwrap().to_vec();
+    let last = Step { offset: Duration::from_secs(109 * 60), ..steps[0].clone() };
+    steps.push(last.clone());
+    library.add("drive", steps);
+    setting.library = Arc::new(library);
+    let mut plan = (*setting.plan).clone();
+    // Only the minimum fits.
+    let drive = plan.activities.iter_mut().find(|one| one.id == id(4)).unwrap();
+    drive.duration = drive.placed();
+    drive.starts[0].from = drive.starts[0].to;
+    setting.plan = Arc::new(plan);
+    let (tasks, timed) = tasks_of(&setting, &state());
+    let slot = timed.slot(id(4)).expect("the drive is planned");
+    assert!(slot.length() < Span::from_mins(109));
+    let drive = tasks.iter().find(|one| one.id.get() == 4).unwrap();
+    let cutoff = slot.end.after(setting.parameters.expansion_grace);
+    let range = setting.plan.activities[3].starts[slot.range];
+    assert!(cutoff < range.cutoff);
+    assert_eq!(drive.cutoff, When::At(setting.epoch.wall(cutoff)));
+    let Body::Sequence(steps) = &drive.body else { panic!("it has a sequence") };
+    assert!(!steps.contains(&last), "no command after the planned end");
+    assert!(!steps.is_empty());
 }

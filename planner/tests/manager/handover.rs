@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use faregate_planner::Plan;
 use faregate_planner::plan::{Outcome, StartRange};
+use faregate_planner::state::Window;
 use faregate_planner::timed::Fate;
 use faregate_planner::units::{Bytes, Span, Time};
 use faregate_scheduler::manager::Note;
@@ -81,12 +82,20 @@ fn without_a_next_plan_that_can_take_over_the_present_one_goes_on_to_its_end() {
     let late = Plan { end: HANDOVER, handover: HANDOVER, ..next() };
     let mut taken = next();
     taken.activities[0].id = id(7);
+    // The computer's phase is a task, too.
+    let mut task = next();
+    task.activities[0].id = id({
+        let mut stage = with_a_next_plan();
+        stage.until(HANDOVER);
+        stage.number_of("awake")
+    });
     let mut unheard_of = next();
     unheard_of.activities[0].sequence = Some("unheard_of".into());
     let answers = [
         (Err("there is no such file".to_owned()), "there is no such file"),
         (Ok(Arc::new(late)), "is over already"),
         (Ok(Arc::new(taken)), "uses the number of activity 7, which runs"),
+        (Ok(Arc::new(task)), "uses the number of a task"),
         (Ok(Arc::new(unheard_of)), "no sequence `unheard_of` is known"),
     ];
     for (answer, why) in answers {
@@ -124,6 +133,11 @@ fn data_counts_anew_from_the_handover() {
     let mut stage = with_a_next_plan();
     stage.until(HANDOVER);
     assert!(!stage.director.state().ended.is_empty());
+    let mut windows = stage.director.state().windows.clone();
+    let relay = windows.iter().find(|one| one.data.get() < 0).unwrap().clone();
+    windows.push(Window { name: "gone".into(), start: clock(12, 0), end: clock(12, 10), ..relay });
+    stage.director.windows(windows);
+    assert!(stage.director.state().exchanged() < 0);
     stage.director.take_over(HANDOVER, Ok(Arc::new(next()))).unwrap();
     assert!(stage.director.state().ended.is_empty());
     assert_eq!(stage.director.state().exchanged(), 0);

@@ -113,6 +113,7 @@ fn an_emergency_takes_heater_power_and_the_zone_is_heated_again_from_scratch() {
     let again = stage.starts_of_heating("wheels").into_iter().find(|at| *at >= clock(9, 40));
     assert_eq!(again.map(|again| driven.since(again)), Some(full), "all of it, from scratch");
     assert!(driven >= clock(9, 41).after(full));
+    assert!(stage.director.state().cold.is_empty(), "and then it is warm");
 }
 
 /// The control: a draw that is there for all takes nothing.
@@ -134,6 +135,8 @@ fn a_condition_that_does_not_hold_at_dispatch_keeps_the_drive_waiting() {
     stage.director.variable("drive_permitted", Some(0));
     stage.until(clock(10, 40));
     assert_eq!(stage.start_of(4), None);
+    let pushed = stage.director.incumbent().slot(id(4)).map(|slot| slot.start);
+    assert!(pushed >= Some(clock(10, 40)), "nothing is planned into the past: {pushed:?}");
     stage.director.variable("drive_permitted", Some(1));
     stage.until(clock(10, 41));
     assert_eq!(stage.start_of(4), Some(clock(10, 40)), "in its range still");

@@ -13,6 +13,7 @@ use faregate_scheduler::executive::{
     Conduct, LoadedFile, Outside, VirtualBodies, VirtualExecutive, expected,
 };
 use faregate_scheduler::format::{self, Against};
+use faregate_scheduler::manager::State as TaskState;
 use faregate_scheduler::manager::{
     Addition, Attempt, Event, Exit, Note, Reply, Telecommand, TelecommandId,
 };
@@ -161,6 +162,15 @@ impl Stage {
 
     pub(crate) fn manager(&self) -> &Manager {
         self.executive.manager()
+    }
+
+    /// The number of the task of this name that runs.
+    pub(crate) fn number_of(&self, name: &str) -> u32 {
+        let runs = |state: &TaskState| matches!(state, TaskState::Running(_));
+        let mut running = self.manager().status().filter(|status| runs(&status.state));
+        let called = |id| self.names.get(&id).is_some_and(|one| one == name);
+        let found = running.find(|status| called(status.occurrence.task));
+        found.expect("it runs").occurrence.task.get()
     }
 
     /// The present attempt of a task, or its first one.

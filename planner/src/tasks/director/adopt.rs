@@ -125,7 +125,7 @@ impl Director {
     /// Dependants first: who loses what it waits for is taken out by the manager
     /// itself. One telecommand for each: one that is over by now is refused
     /// alone.
-    pub(super) fn remove(&mut self, mut removed: BTreeSet<TaskId>) {
+    fn remove(&mut self, mut removed: BTreeSet<TaskId>) {
         while !removed.is_empty() {
             let live = removed.iter().filter_map(|id| self.live.get(id));
             let priors: BTreeSet<_> =

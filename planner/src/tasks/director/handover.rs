@@ -1,6 +1,5 @@
 //! Handover: the next plan takes over, or this one goes on to its end.
 
-use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::{Director, NextPlan, NotPlanned};
@@ -48,7 +47,8 @@ impl Director {
         let merged = with_what_runs(&next, &self.setting.plan, &self.state)?;
         self.numbers_are_free(&next)?;
         let (setting, state, timed) = self.tried(merged)?;
-        let dropped = self.drop_what_waits();
+        let dropped = self.open();
+        self.early.clear();
         (self.setting, self.state, self.timed) = (setting, state, TimedPlan::default());
         self.next_plan = NextPlan::of(&self.setting.plan);
         self.adopt(timed).map_err(|why| NotPlanned::Misfit(why).to_string())?;
@@ -87,19 +87,13 @@ impl Director {
         taken.map_or(Ok(()), |id| Err(format!("the next plan uses the number of a task, {id}")))
     }
 
-    /// What has not started leaves the schedule.
-    fn drop_what_waits(&mut self) -> Vec<ActivityId> {
+    /// What has not started, and leaves the schedule with its plan.
+    fn open(&self) -> Vec<ActivityId> {
         let state = &self.state;
         let is_open = |id: &ActivityId| {
             let has_ended = state.ended.iter().any(|one| one.id == *id);
             !has_ended && !state.running.iter().any(|one| one.id == *id)
         };
-        let activities = self.setting.plan.activities.iter().map(|one| one.id);
-        let dropped: Vec<_> = activities.filter(is_open).collect();
-        let waits = self.live.iter().filter(|(id, live)| !live.started && self.is_activity(**id));
-        let waits: BTreeSet<_> = waits.map(|(id, _)| *id).collect();
-        self.early.clear();
-        self.remove(waits);
-        dropped
+        self.setting.plan.activities.iter().map(|one| one.id).filter(is_open).collect()
     }
 }
