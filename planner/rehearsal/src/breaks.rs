@@ -13,7 +13,7 @@ use faregate_planner::{Parameters, Plan};
 pub struct Breaks {
     /// What the control thread believes instead.
     pub believes: Option<Belief>,
-    /// What is paused goes on without tickets.
+    /// What is paused goes on without tickets, until somebody needs its devices.
     pub goes_on: bool,
 }
 

@@ -169,11 +169,7 @@ impl Host<'_, '_, '_> {
     /// what nobody else needs is not made safe until somebody does.
     fn pause(&mut self, id: ActivityId) {
         self.note(Happened::Paused(id));
-        if self.setup.breaks.goes_on {
-            // Also where somebody needed its devices, and they were made safe.
-            self.station.service();
-            self.rover.resume(id.get());
-        } else {
+        if !self.setup.breaks.goes_on {
             self.rover.pause(id.get());
         }
     }

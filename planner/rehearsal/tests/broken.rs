@@ -9,11 +9,13 @@ use faregate_agents::Categories;
 use faregate_checker::Rule;
 use faregate_planner::execute::Options;
 use faregate_planner::plan::{Condition, Kind, StartRange, Variable};
-use faregate_planner::units::{Ppm, Span};
+use faregate_planner::state::Window;
+use faregate_planner::trace::Happened;
+use faregate_planner::units::{Bytes, Ppm, Span};
 use faregate_planner::{Activity, Parameters, Plan};
 use faregate_rehearsal::{Belief, Draw, Mishap, Script, Setup, rehearse};
 use faregate_tickets::amount::{Microjoules, Milliwatts};
-use support::{BIT, activity, early, id, min, planner, setup, started};
+use support::{activity, early, id, min, planner, setup, started, when};
 
 /// The rules that an execution breaks.
 fn broken(setup: &Setup) -> Vec<Rule> {
@@ -102,15 +104,31 @@ fn an_abort_at_the_first_sample_where_three_are_asked_for() {
     is_caught(&loses(setup, 52), Rule::AbortCause, |_, parameters| parameters.soft_samples = 1);
 }
 
+/// A window comes sooner than planned, and takes the only engine.
 #[test]
 fn what_is_paused_and_draws() {
     let mut setup = setup(vec![Activity { pausable: true, ..activity(1) }]);
+    setup.parameters = Arc::new(Parameters { engines: 1, ..Parameters::clone(&setup.parameters) });
+    let load = Milliwatts::from_watts(10);
+    let later = |start| Window {
+        name: "pass".into(),
+        start,
+        end: start.after(Span::from_mins(4)),
+        awake: true,
+        marginal: load,
+        peak: load,
+        data: Bytes::ZERO,
+        engines: 1,
+        resources: Categories::NONE,
+    };
+    setup.state.windows = vec![later(min(500))];
     let trace = rehearse(&setup, &mut planner).expect("there is a plan");
-    let from = started(&trace, 1).expect("it starts").after(Span::from_mins(3));
-    let until = from.after(Span::from_secs(20));
-    let draw = Milliwatts::ZERO;
-    setup.script = Script(vec![Mishap::Commandeered { from, until, draw, resources: BIT }]);
+    let at = started(&trace, 1).expect("it starts").after(Span::from_mins(3));
+    let becomes = Some(later(at.after(Span::from_mins(1))));
+    setup.script = Script(vec![Mishap::Window { at, index: 0, becomes }]);
     assert_eq!(broken(&setup), []);
+    let trace = rehearse(&setup, &mut planner).expect("there is a plan");
+    assert!(when(&trace, |what| *what == Happened::Paused(id(1))).is_some());
     setup.breaks.goes_on = true;
     let found = broken(&setup);
     assert!(found.contains(&Rule::TrueLoad), "{found:?}");

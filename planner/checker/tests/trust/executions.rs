@@ -120,6 +120,8 @@ fn truth(world: &World, timed: &TimedPlan) -> Entry {
         Mode::Awake => p.awake.marginal,
         Mode::ShuttingDown => p.shutdown.load.marginal,
     };
+    let open = world.state.windows.iter().filter(|w| w.start <= now && now < w.end);
+    let load = open.fold(load, |load, window| load.saturating_add(window.marginal));
     let (charge, peak) = (world.state.capacity, Milliwatts::ZERO);
     let truth = Truth { charge, load, peak, engines: 0, data: Bytes::ZERO };
     Entry { at: now, what: Happened::Truth(truth) }
@@ -144,7 +146,8 @@ fn windows(world: &World) -> Vec<Entry> {
         let of = |at, open| Entry { at, what: Happened::Window { index, open } };
         [of(window.start, true), of(window.end, false)]
     });
-    opens.collect()
+    // What is over by now, or open, is not recorded as new.
+    opens.filter(|entry| world.state.now <= entry.at).collect()
 }
 
 fn dispatch(activity: &Activity, slot: Slot) -> Entry {
