@@ -87,7 +87,8 @@ while read -r name; do
     IFS= read -r test
     wanted "$name" "$@" || continue
     tried=$((tried + 1))
-    kill_mutant "$name" "${file#  }" "${from#- }" "${to#+ }" "${test#! }" </dev/null
+    to=${to#+}
+    kill_mutant "$name" "${file#  }" "${from#- }" "${to# }" "${test#! }" </dev/null
 done <"$table"
 if [[ $tried -eq 0 ]]; then
     echo "there is no such mutant; see $table" >&2
