@@ -84,11 +84,15 @@ fn is_whole_valid(scene: &Scene<'_>, base: &World<'_>, wanted: &[Placed]) -> boo
             && beside(scene, &without, &with, &[*one]).is_empty()
             && !(adds(scene, one) && too_much_data(scene, &without, &with).is_some())
     });
+    // What mandatory ones break, optional ones may have kept before.
     let mandatory = but(&|one| scene.is_optional(one.index));
+    let optional = but(&|one| !scene.is_optional(one.index));
+    let handed_over =
+        handover(scene, &mandatory, &with).is_none() || handover(scene, base, &optional).is_none();
     each && soft_minimum(scene, base, &with).is_none()
         && peak(scene, base, &with).is_none()
         && lead(base, &with).is_none()
-        && handover(scene, &mandatory, &with).is_none()
+        && handed_over
 }
 
 fn adds(scene: &Scene<'_>, one: &Placed) -> bool {

@@ -52,7 +52,7 @@ fn whole<'a>(mut pass: Pass<'a>, slots: &[(usize, Slot)]) -> Option<Pass<'a>> {
     }
     let alone = slots.iter().all(|&(item, slot)| pass.fits_beside(item, slot));
     let derived = alone && keeps(pass.problem, (&pass.placed, &pass.world), &base);
-    (derived && pass.keeps_handover(slots)).then_some(pass)
+    (derived && pass.keeps_handover(slots, &base)).then_some(pass)
 }
 
 /// In the order of the pass, again and again: one may only fit when a later one
@@ -95,20 +95,21 @@ impl Pass<'_> {
     }
 
     /// Whether no optional one breaks the minimum at handover: mandatory ones
-    /// may.
-    fn keeps_handover(&self, slots: &[(usize, Slot)]) -> bool {
-        let optional = |slot: &&(usize, Slot)| !self.problem.items[slot.0].mandatory;
+    /// may. Either it is not lower than with them alone, or the optional ones
+    /// alone keep it, and were placed before.
+    fn keeps_handover(&self, slots: &[(usize, Slot)], base: &World) -> bool {
         let Some(at) = self.problem.handover else { return true };
-        let charge = self.world.charge(at);
-        if charge >= self.problem.battery.handover {
-            return true;
-        }
-        let mut placed = self.placed.clone();
-        for &(item, slot) in slots.iter().filter(optional) {
-            let (start, end) = (slot.start.get(), slot.end.get());
-            placed.remove(self.problem, Placement { item, start, end });
-        }
-        charge >= World::of(self.problem, &placed).charge(at)
+        let (charge, least) = (self.world.charge(at), self.problem.battery.handover);
+        let alone = |mandatory: bool| {
+            let mut placed = self.placed.clone();
+            let is_other = |item: usize| self.problem.items[item].mandatory != mandatory;
+            for &(item, slot) in slots.iter().filter(|slot| is_other(slot.0)) {
+                let (start, end) = (slot.start.get(), slot.end.get());
+                placed.remove(self.problem, Placement { item, start, end });
+            }
+            World::of(self.problem, &placed).charge(at)
+        };
+        charge >= least || charge >= alone(true) || alone(false) >= least.min(base.charge(at))
     }
 
     /// As long as it was, if it can be. Whether it is longer now.
