@@ -109,8 +109,8 @@ fn first(world: &World, timed: &TimedPlan) -> Entry {
 /// What the computer draws then; nothing else is exact.
 fn truth(world: &World, timed: &TimedPlan) -> Entry {
     let (now, p) = (world.state.now, &world.parameters);
-    let begun = modes(timed).into_iter().filter(|entry| entry.at <= now);
-    let mode = begun.last().map_or(world.state.mode, |entry| match entry.what {
+    let mut begun = modes(timed).into_iter().filter(|entry| entry.at <= now);
+    let mode = begun.next_back().map_or(world.state.mode, |entry| match entry.what {
         Happened::Mode(mode) => mode,
         _ => world.state.mode,
     });
