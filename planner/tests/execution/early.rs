@@ -47,7 +47,12 @@ fn also_when_it_fails_or_is_vetoed() {
 
 #[test]
 fn not_in_the_plan_as_it_stands() {
-    let mut bench = Bench::with(pair(), parameters(), Options::STATIC, |_: &mut Plan, _| ());
+    let mut bench = Bench::with(
+        pair(),
+        parameters(),
+        Options { charge_holds: options().charge_holds, ..Options::STATIC },
+        |_: &mut Plan, _| (),
+    );
     bench.starts(1, min(0));
     let actions = bench.ends(1, min(6), Outcome::Succeeded);
     assert_eq!(actions, [], "no early start and no new plan");

@@ -1,7 +1,7 @@
 //! Bad days, drawn from a seed.
 
 use faregate_agents::Categories;
-use faregate_planner::plan::StartRange;
+use faregate_planner::plan::{Kind, StartRange};
 use faregate_planner::state::Window;
 use faregate_planner::units::{Span, Time};
 use faregate_planner::{ActivityId, Parameters, Plan, State};
@@ -110,7 +110,8 @@ impl Day<'_> {
         Some(Mishap::Commandeered { from, until, draw: Milliwatts::new(draw), resources })
     }
 
-    /// Cancelled, or moved by up to an hour.
+    /// Cancelled, or moved by up to an hour; not where the ground has the computer
+    /// off at some time: nobody would move it there.
     fn window(&mut self) -> Option<Mishap> {
         let windows = &self.state.windows;
         let index = self.throws.index(0, windows.len().saturating_sub(1));
@@ -120,7 +121,10 @@ impl Day<'_> {
         let later = self.throws.minutes(0, 60);
         let moved =
             Window { start: window.start.after(later), end: window.end.after(later), ..window };
-        let becomes = self.throws.chance(50).then_some(moved);
+        let blocks = self.plan.activities.iter();
+        let mut blocks = blocks.filter(|one| matches!(one.kind, Kind::ManualShutdown { .. }));
+        let moves = self.throws.chance(50) && blocks.next().is_none();
+        let becomes = moves.then_some(moved);
         Some(Mishap::Window { at, index, becomes })
     }
 
