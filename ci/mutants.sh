@@ -29,8 +29,8 @@ git ls-files -z | xargs -0 cp --parents -t "$tree"
 
 # Less is compiled than optimised: the crate is compiled for each mutant.
 tests() {
-    (cd "$tree" && cargo test --locked --quiet -p faregate-planner --lib --test manager \
-        --test exchanged --test execution --no-fail-fast \
+    (cd "$tree" && cargo test --locked --quiet -p faregate-planner --test manager \
+        --test exchanged --no-fail-fast \
         --config profile.dev.package.faregate-planner.opt-level=0 2>&1)
 }
 
