@@ -50,10 +50,6 @@ pub(crate) trait Watch {
     /// only on what is drawn.
     fn depends(&mut self, _at: i64) {}
 
-    /// Nothing from this instant on, up to the next such, would be otherwise
-    /// with so much more charge.
-    fn room(&mut self, _at: i64, _more: i64) {}
-
     /// The computer was up.
     fn phase(&mut self, _phase: Phase) {}
 
@@ -171,9 +167,6 @@ impl Energy<'_> {
         if net > 0 && !reach.le(charge, capacity) {
             charge = capacity;
             cursor.cuts += 1;
-        }
-        if net > 0 {
-            watch.room(cursor.at.at, capacity.at - charge.at);
         }
         if cursor.at.at < to.at {
             let peak = cursor.drawn.peak + computer.peak;

@@ -30,10 +30,6 @@ impl<W: Watch> Sweep<'_, '_, W> {
         let cursor = self.think(self.cursor, earliest, computer.awake);
         let mut now = self.attempt(cursor);
         if self.reach.le(now.over, Var::fixed(0)) {
-            let battery = self.problem.battery;
-            if battery.max < battery.capacity {
-                self.watch.room(earliest.at, -now.over.at);
-            }
             return self.accept(now);
         }
         self.watch.depends(earliest.at);

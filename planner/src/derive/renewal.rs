@@ -77,8 +77,6 @@ impl World {
         new.phases.extend_from_slice(&self.phases[..mark.phases]);
         let marks = self.marks.partition_point(|old| old.cursor.at.at <= at);
         new.marks.extend_from_slice(&self.marks[..marks]);
-        let rooms = self.room.partition_point(|&(room, _)| room < at);
-        new.room.extend_from_slice(&self.room[..rooms]);
         let depends = self.depends.partition_point(|&depends| depends < at);
         new.depends.extend_from_slice(&self.depends[..depends]);
         new
@@ -95,9 +93,6 @@ impl Renewal {
         self.new.pieces.pop();
         self.new.pieces.extend(self.old.pieces[first..last].iter().map(moved));
         let (begin, end) = (here.cursor.at.at, to.map_or(i64::MAX, |to| to.cursor.at.at));
-        let rooms = |until: i64| self.old.room.partition_point(|&(at, _)| at < until);
-        let rooms = &self.old.room[rooms(begin)..rooms(end)];
-        self.new.room.extend(rooms.iter().map(|&(at, room)| (at, room - change)));
         let phases = to.map_or(self.old.phases.len(), |to| to.phases);
         self.new.phases.extend_from_slice(&self.old.phases[here.phases..phases]);
         let (here, there) = (*here, *there);
@@ -124,10 +119,6 @@ impl Watch for Renewal {
         self.new.depends(at);
     }
 
-    fn room(&mut self, at: i64, more: i64) {
-        self.new.room(at, more);
-    }
-
     fn phase(&mut self, phase: Phase) {
         self.new.phase(phase);
     }
@@ -140,7 +131,7 @@ impl Watch for Renewal {
             return After::On;
         }
         let more = mark.cursor.charge.at - old.cursor.charge.at;
-        match self.old.leap(at).filter(|leap| more <= leap.room) {
+        match self.old.leap(at).filter(|_| more <= 0) {
             Some(leap) => self.carry(&old, mark, leap.to.as_ref()),
             None => After::On,
         }

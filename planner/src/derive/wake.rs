@@ -67,8 +67,6 @@ impl<W: Watch> Sweep<'_, '_, W> {
         if fits.is_none() && self.reach.lt(max, cursor.charge) {
             return Some(cursor.at);
         }
-        let begin = cursor.at.at;
-        self.watch.room(begin, battery.max - cursor.charge.at);
         loop {
             let step = self.energy.next(&cursor, &mut self.reach);
             let step = step.map(|step| step.at).filter(|&at| self.reach.lt(at, until));
@@ -78,9 +76,6 @@ impl<W: Watch> Sweep<'_, '_, W> {
             let is_known = fits.is_some_and(|fits| self.reach.le(to, fits));
             if net > 0 && !is_known && self.reach.lt(max, charge) {
                 return Some(cursor.at.plus(max.minus(cursor.charge).divided(net)));
-            }
-            if net > 0 {
-                self.watch.room(begin, battery.max - charge.at);
             }
             step?;
             cursor = self.think(cursor, to, Draw::default());

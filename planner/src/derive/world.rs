@@ -35,24 +35,18 @@ pub(crate) struct World {
     /// For each piece, the one that begins with the lowest charge from it on,
     /// up to where a [leap](Self::leap) ends; of several the first.
     lowest: Vec<usize>,
-    /// How much more charge, from an instant on, would not make anything
-    /// otherwise; and the least of it up to where a leap ends.
-    pub(super) room: Vec<(i64, i64)>,
-    least_room: Vec<i64>,
     /// How many changes of what is drawn, and needs, it was made from.
     counts: (usize, usize),
 }
 
 /// From an instant on nothing depends on the charge, as long as there is not
-/// much more of it.
+/// more of it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Leap {
     /// Until then; none: to the end.
     pub(crate) to: Option<Mark>,
     /// When the charge is lowest, and how much it is then.
     pub(crate) lowest: (i64, i64),
-    /// How much more there may be.
-    pub(crate) room: i64,
 }
 
 impl World {
@@ -101,11 +95,7 @@ impl World {
         };
         let first = self.pieces.partition_point(|piece| piece.from < from);
         let lowest = &self.pieces[*self.lowest.get(first)?];
-        // That of the piece that it lies in included.
-        let begin = self.pieces[self.at(from)].from;
-        let room = self.room.partition_point(|&(at, _)| at < begin);
-        let room = self.least_room.get(room).copied().unwrap_or(i64::MAX);
-        Some(Leap { to, lowest: (lowest.from, lowest.charge), room })
+        Some(Leap { to, lowest: (lowest.from, lowest.charge) })
     }
 
     /// Whether what follows depends on the charge somewhere in [from, to).
@@ -137,10 +127,7 @@ impl World {
         self.counts = (placed.steps.len(), placed.needs.len());
         self.depends.sort();
         self.depends.dedup();
-        self.room.sort();
-        self.room.dedup();
         self.lowest = self.lowest_pieces();
-        self.least_room = self.least_rooms();
         self
     }
 
@@ -148,24 +135,6 @@ impl World {
     fn ends(&self) -> impl Iterator<Item = i64> {
         let ends = self.depends.iter().rev().filter_map(|&at| self.mark_until(at));
         ends.map(|mark| mark.cursor.at.at)
-    }
-
-    fn least_rooms(&self) -> Vec<i64> {
-        let mut ends = self.ends().peekable();
-        let mut least_room = vec![0; self.room.len()];
-        let mut least = i64::MAX;
-        for (place, &(at, room)) in self.room.iter().enumerate().rev() {
-            // What is at an end is looked at from there.
-            while let Some(&end) = ends.peek()
-                && at < end
-            {
-                least = i64::MAX;
-                ends.next();
-            }
-            least = least.min(room);
-            least_room[place] = least;
-        }
-        least_room
     }
 
     /// From the end to the begin: a leap ends at the last sleep before a
@@ -262,10 +231,6 @@ impl Watch for World {
 
     fn depends(&mut self, at: i64) {
         self.depends.push(at);
-    }
-
-    fn room(&mut self, at: i64, more: i64) {
-        self.room.push((at, more));
     }
 
     fn phase(&mut self, phase: Phase) {

@@ -183,10 +183,10 @@ impl<'a> Look<'a> {
             return After::Over;
         }
         let from = there.at.at;
-        let Some(leap) = self.world.leap(from).filter(|leap| change.at <= leap.room) else {
+        let Some(leap) = self.world.leap(from).filter(|_| change.at <= 0) else {
             return After::On;
         };
-        let _ = reach.le(change, Var::fixed(leap.room));
+        let _ = reach.le(change, Var::fixed(0));
         self.less(change, from, &leap, reach);
         leap.to.map_or(After::Over, |to| {
             let mut to = to.changed(change, self.more);
