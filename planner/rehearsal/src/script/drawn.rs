@@ -35,10 +35,10 @@ impl Script {
     }
 }
 
-type Kind<'a> = fn(&mut Day<'a>) -> Option<Mishap>;
+type Drawing<'a> = fn(&mut Day<'a>) -> Option<Mishap>;
 
 /// How often in a hundred days each kind comes.
-fn kinds<'a>() -> [(u64, Kind<'a>); 13] {
+fn kinds<'a>() -> [(u64, Drawing<'a>); 13] {
     [
         (45, Day::discharge),
         (25, Day::discharge),
