@@ -5,7 +5,6 @@ mod lines;
 mod script;
 mod summary;
 
-use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -22,6 +21,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
 use crate::args::{PlanRunArgs, RunFormat};
+use crate::disk;
 use crate::exit::{Exit, Failure};
 use crate::out;
 use crate::plan::input::{self, Inputs};
@@ -91,6 +91,9 @@ fn of_files(
 }
 
 fn run_once(args: &PlanRunArgs, setup: &Setup) -> Result<Exit, Failure> {
+    if let Some(path) = &args.svg {
+        disk::can_be_written(path)?;
+    }
     let trace = watched(args, setup)?;
     let as_it_stood = (!args.is_static).then(|| {
         let setup = Setup { options: Options::STATIC, ..setup.clone() };
@@ -100,7 +103,7 @@ fn run_once(args: &PlanRunArgs, setup: &Setup) -> Result<Exit, Failure> {
     let won = as_it_stood.as_ref().map(|theirs| Won::between(&setup.plan, &trace, theirs));
     let violations = violations(setup, &trace);
     if let Some(path) = &args.svg {
-        put(path, &drawn(setup, &trace)?)?;
+        disk::write(path, drawn(setup, &trace)?)?;
     }
     let static_summary = as_it_stood.as_ref().map(|theirs| Summary::of(&setup.plan, theirs));
     let outcome = Outcome {
@@ -191,11 +194,6 @@ fn drawn(setup: &Setup, trace: &Trace) -> Result<String, Failure> {
     let trace = Some(trace);
     let scene = Scene { plan, parameters, state, timed: &timed, projection: &projection, trace };
     Ok(picture::draw(&scene))
-}
-
-fn put(path: &Path, text: &str) -> Result<(), Failure> {
-    fs::write(path, text)
-        .map_err(|error| Failure::failed(format!("{} cannot be written: {error}", path.display())))
 }
 
 #[expect(clippy::needless_pass_by_value, reason = "it goes where errors are mapped")]

@@ -51,6 +51,10 @@ pub(crate) fn with_what_runs(next: &Plan, plan: &Plan, state: &State) -> Result<
     if next.end <= state.now {
         return Err("the next plan is over already".to_owned());
     }
+    if next.next_plan.is_some() && next.handover <= state.now {
+        // A plan that names itself would take over for ever.
+        return Err("the next plan is to be handed over already".to_owned());
+    }
     let mut merged = next.clone();
     for running in &state.running {
         if next.activities.iter().any(|activity| activity.id == running.id) {

@@ -68,3 +68,13 @@ fn a_next_plan_that_is_over_is_refused() {
     let actions = bench.event(min(60), Event::Next(Ok(Arc::new(over))));
     assert!(actions.iter().any(|action| matches!(action, Action::NoNextPlan(_))), "{actions:?}");
 }
+
+#[test]
+fn a_next_plan_that_is_to_be_handed_over_itself_is_refused() {
+    let mut bench = before_handover();
+    bench.tick(min(60));
+    let handed_over =
+        Plan { handover: min(60), next_plan: Some("itself".into()), ..Plan::clone(&next(7)) };
+    let actions = bench.event(min(60), Event::Next(Ok(Arc::new(handed_over))));
+    assert!(actions.iter().any(|action| matches!(action, Action::NoNextPlan(_))), "{actions:?}");
+}

@@ -1,11 +1,11 @@
 //! Faults from a file.
 
-use std::fs;
 use std::path::Path;
 
 use faregate_planner::{ActivityId, Parameters, Plan, State};
 use faregate_rehearsal::{Mishap, Script};
 
+use crate::disk;
 use crate::exit::Failure;
 
 /// Reads what goes wrong, and makes sure that it is about what there is.
@@ -16,8 +16,7 @@ pub(super) fn read(
     state: &State,
 ) -> Result<Script, Failure> {
     let name = path.display();
-    let text = fs::read(path)
-        .map_err(|error| Failure::failed(format!("{name} cannot be read: {error}")))?;
+    let text = disk::read(path).map_err(Failure::failed)?;
     let mishaps: Vec<Mishap> = serde_json::from_slice(&text).map_err(|error| {
         Failure::failed(format!(
             "{name} is no list of faults, as `plan run --help` has one: {error}"
