@@ -7,7 +7,8 @@
 use crate::derive::{Placement, World};
 use crate::judge::keeps;
 use crate::problem::{Block, Problem, Range};
-use crate::timed::{Fate, Row, Slot, TimedPlan};
+use crate::timed::{Excess, Fate, Limit, Row, Slot, TimedPlan};
+use crate::units::Time;
 
 use super::begin::claim;
 use super::{Pass, Worth};
@@ -52,7 +53,11 @@ fn whole<'a>(mut pass: Pass<'a>, slots: &[(usize, Slot)]) -> Option<Pass<'a>> {
     }
     let alone = slots.iter().all(|&(item, slot)| pass.fits_beside(item, slot));
     let derived = alone && keeps(pass.problem, (&pass.placed, &pass.world), &base);
-    (derived && pass.keeps_handover(slots, &base)).then_some(pass)
+    let keeps = derived && pass.keeps_handover(slots, &base);
+    keeps.then(|| {
+        pass.owns_up(slots, &base);
+        pass
+    })
 }
 
 /// In the order of the pass, again and again: one may only fit when a later one
@@ -110,6 +115,20 @@ impl Pass<'_> {
             World::of(self.problem, &placed).charge(at)
         };
         charge >= least || charge >= alone(true) || alone(false) >= least.min(base.charge(at))
+    }
+
+    /// Where optional ones were placed before and keep the minimum at handover, it
+    /// is the mandatory ones that exceed it: the last of them says so.
+    fn owns_up(&mut self, slots: &[(usize, Slot)], base: &World) {
+        let Some(at) = self.problem.handover else { return };
+        let (charge, min) = (self.world.charge(at), self.problem.battery.handover);
+        let is_mandatory = |slot: &&(usize, Slot)| self.problem.items[slot.0].mandatory;
+        let listed = self.excess.iter().any(|one| one.limit == Limit::Handover);
+        let exceeds = charge < min && charge < base.charge(at) && !listed;
+        if let Some((item, _)) = slots.iter().rev().find(is_mandatory).filter(|_| exceeds) {
+            let (by, at) = (Some(self.id(*item)), Time::new(at));
+            self.excess.push(Excess { by, limit: Limit::Handover, at, amount: min - charge });
+        }
     }
 
     /// As long as it was, if it can be. Whether it is longer now.
