@@ -216,8 +216,10 @@ impl<'a> Walk<'a> {
     fn blind(&self, id: ActivityId, runs: &Runs, at: i64) -> Option<Violation> {
         let until = self.estimated_at.saturating_add(self.trace.charge_holds?.get());
         let draws = runs.paused.is_none() && !self.activity(id)?.marginal.is_zero();
-        let violation = Violation::new(Rule::RanBlind, Some(id), until);
-        (draws && at > until).then(|| violation.by(at - until))
+        // What goes on and is aborted at one instant has not run.
+        let from = until.max(self.now);
+        let violation = Violation::new(Rule::RanBlind, Some(id), from);
+        (draws && at > from).then(|| violation.by(at - from))
     }
 
     fn paused(&mut self, id: ActivityId) {

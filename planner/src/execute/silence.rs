@@ -31,13 +31,14 @@ impl Control {
     }
 
     /// Whether the computer may be woken then: to look around again, after a
-    /// sleep that is worth it.
+    /// sleep that is worth it. Who has just come up looks around first.
     pub(super) fn may_look_again(&self, wakeup: Time) -> bool {
-        self.looks_again_from().is_none_or(|rested| rested <= wakeup)
+        let rested = || self.looks_again_from().is_some_and(|rested| rested <= wakeup);
+        self.blind.is_none() || self.looks_around || rested()
     }
 
     pub(super) fn looks_again_from(&self) -> Option<Time> {
-        let asleep = self.blind?.after(self.parameters.shutdown.duration);
-        Some(asleep.after(self.parameters.min_sleep))
+        let sleeps = self.state.mode == Mode::Asleep && self.blind.is_some();
+        sleeps.then(|| self.state.mode_since.after(self.parameters.min_sleep))
     }
 }

@@ -72,7 +72,7 @@ impl Early<'_> {
         let (other, why) = starts.find_map(|(id, slot)| {
             let other = self.activity(*id)?;
             let shares = other.resources.overlaps(mine.resources);
-            let engines = self.engines_at(slot.start).saturating_add(mine.engines);
+            let engines = self.engines_at(now, slot.start).saturating_add(mine.engines);
             let lacks = mine.engines > 0 && other.engines > 0 && engines > self.parameters.engines;
             (shares || lacks).then_some((id, if shares { "a bit" } else { "engines" }))
         })?;
@@ -80,9 +80,11 @@ impl Early<'_> {
         Some(violation.detail(format!("{other}, for want of {why}")))
     }
 
-    /// Engines of what is planned to run then.
-    fn engines_at(&self, at: Time) -> u32 {
-        let planned = self.planned.iter().filter(|(_, slot)| slot.start <= at && at < slot.end);
+    /// Engines of what is planned to run then. Who is due and waits is late
+    /// already, whoever starts.
+    fn engines_at(&self, now: Time, at: Time) -> u32 {
+        let planned = self.planned.iter().filter(|(_, slot)| now < slot.start);
+        let planned = planned.filter(|(_, slot)| slot.start <= at && at < slot.end);
         let running = self.runs.iter().filter(|(_, ends)| at < **ends);
         let ids = planned.map(|(id, _)| id).chain(running.map(|(id, _)| id));
         ids.filter_map(|id| self.activity(*id)).map(|one| one.engines).sum()

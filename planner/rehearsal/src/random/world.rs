@@ -26,7 +26,7 @@ pub(super) fn parameters(parameters: &mut Parameters, throws: &mut Throws) {
     parameters.wakeup.duration = throws.seconds(120, 480);
     parameters.shutdown.duration = throws.seconds(120, 480);
     parameters.commit = throws.seconds(0, 300);
-    parameters.expansion_grace = throws.seconds(0, 60);
+    parameters.expansion_grace = throws.seconds(1, 60);
     parameters.handover_tolerance = throws.seconds(1, 10);
     parameters.soft_samples = u32::try_from(throws.number(1, 4)).unwrap_or(1);
     for zone in &mut parameters.zones {
