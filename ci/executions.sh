@@ -9,7 +9,7 @@ usage() {
     cat <<'USAGE'
 Usage: ci/executions.sh [--executions N] [--seed N] [--help]
 
-    --executions N   so many, each of another plan (2000: about a minute)
+    --executions N   so many, each of another plan (2000)
     --seed N         the first seed (1)
 
 The counts are printed, and are in target/executions.log. An execution that
