@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Runs every bench, the latency example and a short soak (at most 10 minutes once
-# built), sums them up in target/bench/summary.json, and prints the table. The
-# figures inform: a target that is missed fails nothing, a bench that breaks does.
+# Runs every bench, the latency example and a short soak, sums them up in
+# target/bench/summary.json, and prints the table. The figures inform: a target
+# that is missed fails nothing, a bench that breaks does.
 # Usage: ci/bench.sh [--write] [--quick]
 #   --write  puts the table and the curves into docs/
 #   --quick  a tenth of the rounds, and a shorter soak: a look

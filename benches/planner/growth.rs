@@ -11,8 +11,9 @@ use crate::support::{Bench, Curve, Failure, Quantiles, Series, Target};
 use crate::tightness::{Tightness, tightness};
 use crate::{naive, problem};
 
-/// Plans of so many activities, each sol as crowded as the others.
-const SIZES: [usize; 5] = [100, 316, 1_000, 3_162, 10_000];
+/// Plans of so many activities: whole sols, so that each is as crowded as the
+/// others.
+const SIZES: [usize; 5] = [100, 300, 1_000, 3_000, 10_000];
 /// The growth that is asked for is between the first of them and the last.
 const LAST: usize = SIZES.len() - 1;
 /// A plan that would take longer is not made: the row says so.
