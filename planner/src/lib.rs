@@ -28,6 +28,7 @@
 //! | [`words`] | the same in words |
 //! | [`picture`] | the same as a picture |
 //! | [`trace`] | what happened when a plan was executed |
+//! | [`products`] | all of an execution, as files for the ground |
 
 #![forbid(unsafe_code)]
 
@@ -43,6 +44,7 @@ pub mod parameters;
 pub mod picture;
 pub mod plan;
 pub mod problem;
+pub mod products;
 pub mod project;
 pub mod schedule;
 pub mod search;

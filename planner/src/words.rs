@@ -159,7 +159,7 @@ pub fn day_number(parameters: &Parameters, at: Time) -> i64 {
     at.since(day.midnight).get().div_euclid(day.length.get().max(1))
 }
 
-const fn became(outcome: Outcome) -> &'static str {
+pub(crate) const fn became(outcome: Outcome) -> &'static str {
     match outcome {
         Outcome::Succeeded => "succeeded",
         Outcome::Failed => "failed",
