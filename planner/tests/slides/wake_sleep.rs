@@ -108,3 +108,58 @@ fn the_last_sleep_may_be_cut_by_the_end() {
     assert_eq!(awake(&short.timed()), vec![[55, 60, 74, 74]], "no time for a shutdown");
     assert_eq!(Time::ZERO, min(0));
 }
+
+#[test]
+fn after_a_sleep_that_filled_the_battery_it_stays_up_until_another_one_fits_below_the_maximum() {
+    let mut full = rover(Vec::new());
+    full.parameters.awake = load(160);
+    // Asleep until 900 Wh; 40 W while it wakes up, then -80 W; what the shutdown
+    // and the shortest sleep bring, 43.3 Wh, must fit: after 35 minutes.
+    let timed = full.timed();
+    assert_eq!(awake(&timed)[0], [225, 230, 265, 270]);
+    assert_eq!(awake(&timed)[1][0], 300, "and it sleeps no longer than that");
+    full.parameters.min_sleep = Span::from_mins(15);
+    assert_eq!(awake(&full.timed())[0], [225, 230, 250, 255], "15 min at 80 W fit sooner");
+}
+
+#[test]
+fn a_phase_whose_end_is_blocked_begins_earlier() {
+    let mut short = rover(vec![activity(1, 5, 75, 75)]);
+    (short.plan.end, short.plan.handover) = (min(80), min(80));
+    assert_eq!(awake(&short.timed()), vec![[65, 70, 80, 80]]);
+}
+
+#[test]
+fn an_activity_beside_another_extends_the_phase_that_is_there() {
+    let timed = rover(vec![activity(1, 30, 60, 60), activity(2, 30, 80, 80)]).timed();
+    assert_eq!(awake(&timed)[0], [55, 60, 110, 115]);
+}
+
+#[test]
+fn nothing_that_is_left_out_could_start_while_the_computer_sleeps() {
+    // Each would take more charge than there is in the one sleep, and one of them
+    // is for somebody else's want of charge out.
+    let hungry = |number| drawing(160, activity(number, 60, 0, 300));
+    let rover = rover((1..8).map(hungry).collect());
+    let timed = rover.timed();
+    let out = |number: &u32| slot(&timed, *number).is_none();
+    let left_out: Vec<u32> = (1..8).filter(out).collect();
+    assert!(!left_out.is_empty() && left_out.len() < 7, "{left_out:?}");
+    let asleep = |at: &i64| !awake(&timed).iter().any(|it| it[0] <= *at && *at < it[3]);
+    let minutes: Vec<i64> = (0..=300).filter(asleep).collect();
+    assert!(minutes.len() > 20, "{minutes:?}");
+    for number in left_out {
+        for &at in &minutes {
+            // All that is in stays where it is, and this one alone may start then.
+            let mut tried = rover.clone();
+            for activity in &mut tried.plan.activities {
+                let slot = timed.slot(activity.id).map(|slot| slot.start);
+                let start =
+                    if activity.id == id(number) { min(at) } else { slot.unwrap_or(min(-1)) };
+                (activity.starts[0].from, activity.starts[0].to) = (start, start);
+                activity.priority = if activity.id == id(number) { 1 } else { 10 };
+            }
+            assert_eq!(tried.timed().slot(id(number)), None, "{number} at {at}");
+        }
+    }
+}

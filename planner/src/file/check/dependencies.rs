@@ -32,7 +32,7 @@ pub(super) fn dependencies(plan: &Placement<'_>, report: &mut Report<'_>) {
 }
 
 /// The planner never re-orders: what waits for a less important one is tried
-/// before that is placed, and left out.
+/// before that is placed, and gets what everything else leaves.
 fn importance(
     at: usize,
     one: &Activity,
