@@ -33,10 +33,9 @@ impl Control {
         let shares = others.clone().any(|other| bits(*other) & bits(id) != 0);
         let loads = others.clone().chain([&id]).map(|other| power(*other));
         let peak = loads.fold(self.present_peak(), u64::saturating_add);
-        let engines: u32 = others.chain([&id]).map(|other| engines(*other)).sum();
-        shares
-            || peak > self.parameters.peak_limit.get()
-            || engines.saturating_add(self.engines_in_use()) > self.parameters.engines
+        let used = others.chain([&id]).map(|other| engines(*other));
+        let used = used.fold(self.engines_in_use(), u32::saturating_add);
+        shares || peak > self.parameters.peak_limit.get() || used > self.parameters.engines
     }
 
     fn present_peak(&self) -> u64 {

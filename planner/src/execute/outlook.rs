@@ -7,6 +7,7 @@
 
 mod charge;
 mod claims;
+mod data;
 
 use std::collections::BTreeMap;
 
@@ -14,7 +15,7 @@ use crate::parameters::Parameters;
 use crate::plan::{Activity, ActivityId, Plan};
 use crate::state::{Running, State};
 use crate::timed::{Limit, Slot, TimedPlan};
-use crate::units::{Bytes, Span, Time};
+use crate::units::{Span, Time};
 
 use claims::Claim;
 
@@ -59,7 +60,7 @@ impl<'a> Outlook<'a> {
         if early && !self.stays_up(slot) {
             return Err(Limit::Computer);
         }
-        self.keeps_data(activity)?;
+        self.keeps_data(activity, planned, early)?;
         self.keeps_charge(activity, slot, planned)
     }
 
@@ -108,32 +109,6 @@ impl<'a> Outlook<'a> {
     /// Whether the computer is planned to be up all the time.
     fn stays_up(&self, slot: Slot) -> bool {
         self.timed.awake.iter().any(|phase| phase.up <= slot.start && slot.end <= phase.down)
-    }
-
-    /// An optional activity adds no data past the maximum; what is planned
-    /// already counts from its own start.
-    fn keeps_data(&self, activity: &Activity) -> Result<(), Limit> {
-        if self.is_mandatory(activity) || activity.data <= Bytes::ZERO {
-            return Ok(());
-        }
-        let now = self.state.now;
-        let ended: i64 = self.state.ended.iter().map(|ended| ended.data.get()).sum();
-        let running: i64 = self
-            .state
-            .running
-            .iter()
-            .map(|running| {
-                let modelled = self.activity(running.id).map_or(0, |one| one.data.get());
-                running.data.get().max(modelled)
-            })
-            .sum();
-        let windows = self.state.windows.iter().filter(|window| window.start <= now);
-        // One in progress has what it brings, and has sent nothing yet.
-        let counts = |data: i64, over: bool| if over { data } else { data.max(0) };
-        let windows: i64 = windows.map(|window| counts(window.data.get(), window.end <= now)).sum();
-        let total = ended.saturating_add(running).saturating_add(windows);
-        let fits = total.saturating_add(activity.data.get()) <= self.plan.max_delta_data.get();
-        if fits { Ok(()) } else { Err(Limit::Data) }
     }
 
     fn activity(&self, id: ActivityId) -> Option<&'a Activity> {

@@ -2,7 +2,7 @@
 
 use faregate_planner::execute::{Action, NotReady};
 use faregate_planner::plan::{Kind, Outcome};
-use faregate_planner::state::Mode;
+use faregate_planner::state::{Mode, Window};
 use faregate_planner::trace::{Cause, Why};
 use faregate_planner::units::Span;
 use faregate_planner::{Activity, execute::Event};
@@ -82,6 +82,43 @@ fn an_expanding_one_is_told_to_end_and_has_a_grace() {
     assert!(!actions.contains(&Action::TellToEnd(id(1))), "it was told once");
     assert_eq!(aborted(&actions, 1), None);
     assert_eq!(aborted(&bench.tick(over), 1), Some(Cause::Duration));
+}
+
+#[test]
+fn an_expanding_one_that_ends_in_its_grace_has_succeeded() {
+    let kind = Kind::Expanding { minimum: Span::from_mins(2) };
+    let mut bench = Bench::new(vec![(Activity { kind, ..activity(1) }, 0)]);
+    bench.starts(1, min(0));
+    bench.tick(min(10));
+    let actions = bench.ends(1, min(10).after(Span::from_secs(29)), Outcome::Succeeded);
+    assert_eq!(aborted(&actions, 1), None);
+    assert_eq!(bench.outcome(1), Some(Outcome::Succeeded));
+}
+
+#[test]
+fn at_the_hard_limit_the_computer_stays_up_for_a_window_that_needs_it() {
+    let window = |awake| Window {
+        name: "pass".into(),
+        start: min(1),
+        end: min(20),
+        awake,
+        marginal: Milliwatts::ZERO,
+        peak: Milliwatts::ZERO,
+        data: Default::default(),
+        engines: 0,
+        resources: Default::default(),
+    };
+    for awake in [true, false] {
+        let mut bench = Bench::new(vec![(mandatory(1), 0)]);
+        bench.starts(1, min(0));
+        bench.event(min(1), Event::Windows(vec![window(awake)]));
+        let actions = bench.estimate(min(2), 19, true);
+        assert_eq!(aborted(&actions, 1), Some(Cause::HardLimit));
+        let is_down =
+            |actions: &[Action]| actions.iter().any(|it| matches!(it, Action::ShutDown(_)));
+        assert_eq!(is_down(&actions), !awake);
+        assert_eq!(is_down(&bench.tick(min(20))), awake, "and no longer than for that");
+    }
 }
 
 #[test]

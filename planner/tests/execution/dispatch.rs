@@ -2,7 +2,7 @@
 //! started, because the state may have changed since it was scheduled.
 
 use faregate_planner::execute::{Action, Event, NotReady};
-use faregate_planner::plan::{Condition, Dependency, Outcome, Status, Variable};
+use faregate_planner::plan::{Condition, Dependency, Outcome, StartRange, Status, Variable};
 use faregate_planner::timed::Limit;
 use faregate_planner::trace::{Unstarted, Why};
 use faregate_planner::units::{Bytes, Span};
@@ -25,19 +25,33 @@ fn a_sequence_is_dispatched_at_its_exact_time() {
 
 #[test]
 fn acm_and_ddi_are_evaluated_only_then_and_an_unknown_one_is_not_satisfied() {
-    let kind = Variable::Acm;
-    let conditions = vec![Condition { kind, name: "may_drive".into(), min: 1, max: 3 }];
-    let mut bench = Bench::new(vec![(Activity { conditions, ..activity(1) }, 5)]);
-    assert!(!asks(&bench.tick(min(5)), 1));
-    let unknown = NotReady::Condition("ACM may_drive".into());
-    assert_eq!(bench.control.waits_for(id(1)), Some(unknown.clone()));
-    for (value, satisfied) in [(0, false), (4, false), (1, true)] {
-        let actions = bench.event(min(6), Event::Variable("may_drive".into(), Some(value)));
-        assert_eq!(asks(&actions, 1), satisfied, "{value}");
+    for (kind, said) in [(Variable::Acm, "ACM may_drive"), (Variable::Ddi, "DDI may_drive")] {
+        let conditions = vec![Condition { kind, name: "may_drive".into(), min: 1, max: 3 }];
+        let mut bench = Bench::new(vec![(Activity { conditions, ..activity(1) }, 5)]);
+        assert!(!asks(&bench.tick(min(5)), 1));
+        let unknown = NotReady::Condition(said.into());
+        assert_eq!(bench.control.waits_for(id(1)), Some(unknown.clone()));
+        for (value, satisfied) in [(0, false), (4, false), (1, true)] {
+            let actions = bench.event(min(6), Event::Variable("may_drive".into(), Some(value)));
+            assert_eq!(asks(&actions, 1), satisfied, "{value}");
+        }
+        let actions = bench.event(min(6), Event::Variable("may_drive".into(), None));
+        assert!(
+            actions.contains(&Action::Withdraw(id(1))),
+            "it is not right any more: {actions:?}"
+        );
+        assert_eq!(bench.control.waits_for(id(1)), Some(unknown));
     }
-    let actions = bench.event(min(6), Event::Variable("may_drive".into(), None));
-    assert!(actions.contains(&Action::Withdraw(id(1))), "it is not right any more: {actions:?}");
-    assert_eq!(bench.control.waits_for(id(1)), Some(unknown));
+}
+
+#[test]
+fn an_activity_may_have_several_conditions_and_all_must_hold() {
+    let condition =
+        |name: &str| Condition { kind: Variable::Ddi, name: name.into(), min: 1, max: 1 };
+    let conditions = vec![condition("stowed"), condition("level")];
+    let mut bench = Bench::new(vec![(Activity { conditions, ..activity(1) }, 5)]);
+    assert!(!asks(&bench.event(min(5), Event::Variable("level".into(), Some(1))), 1));
+    assert!(asks(&bench.event(min(5), Event::Variable("stowed".into(), Some(1))), 1));
 }
 
 #[test]
@@ -128,6 +142,21 @@ fn past_its_range_it_does_not_start_and_a_new_plan_is_wanted() {
     assert!(actions.contains(&Action::NotStarted(id(1), Unstarted::RangeClosed)));
     assert!(wants(&actions, Why::NotStarted(id(1))));
     assert_eq!(bench.outcome(1), Some(Outcome::NotStarted));
+}
+
+#[test]
+fn a_start_within_the_tolerance_is_in_time_and_its_cutoff_is_not_moved() {
+    let starts = vec![StartRange { from: min(5), to: min(5), cutoff: min(15) }];
+    let tight = |number| Activity { starts: starts.clone(), ..activity(number) };
+    let tolerated = min(5).after(Span::from_secs(5));
+    let mut bench = Bench::new(vec![(tight(1), 5)]);
+    assert!(asks(&bench.tick(min(5)), 1));
+    assert!(is_started(&bench.event(tolerated, Event::Granted(id(1))), 1));
+    assert_eq!(bench.control.state().running[0].cutoff, min(15));
+    let mut bench = Bench::new(vec![(tight(1), 5)]);
+    assert!(asks(&bench.tick(min(5)), 1));
+    let late = bench.event(tolerated.after(Span::new(1)), Event::Granted(id(1)));
+    assert!(!is_started(&late, 1), "a millisecond more is too late: {late:?}");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use faregate_planner::execute::{Action, Options};
 use faregate_planner::plan::{Outcome, StartRange};
 use faregate_planner::timed::TimedPlan;
 use faregate_planner::trace::Why;
-use faregate_planner::units::Span;
+use faregate_planner::units::{Bytes, Span};
 use faregate_planner::{Activity, Plan, execute::Event};
 
 use crate::bench::{Bench, activity, asks, id, is_started, min, options, parameters, watts};
@@ -122,4 +122,37 @@ fn without_tickets_in_time_it_waits_for_its_planned_start() {
     assert!(bench.tick(late).contains(&Action::Withdraw(id(2))));
     assert!(!is_started(&bench.event(late, Event::Granted(id(2))), 2));
     bench.starts(2, min(10));
+}
+
+/// One of two that together make too much is planned after a downlink: data that
+/// were on board sooner would keep what is planned before it from starting.
+#[test]
+fn not_where_what_is_planned_would_find_too_much_data_on_board() {
+    let data =
+        |bytes, (one, at): (Activity, i64)| (Activity { data: Bytes::new(bytes), ..one }, at);
+    let plain = |number| activity(number);
+    for (bytes, starts) in [(500, true), (501, false)] {
+        let downlink = Activity { duration: Span::from_mins(5), ..plain(3) };
+        let mut bench = Bench::new(vec![
+            (Activity { resources: BIT, ..plain(1) }, 0),
+            data(bytes, (Activity { resources: BIT, ..plain(2) }, 50)),
+            data(500, (plain(4), 20)),
+            data(-500, (downlink, 40)),
+        ]);
+        bench.starts(1, min(0));
+        assert_eq!(asks(&bench.ends(1, min(6), Outcome::Succeeded), 2), starts, "{bytes}");
+    }
+}
+
+#[test]
+fn not_without_the_charge_that_it_takes_or_leaves_for_handover() {
+    let hungry = |percent| {
+        let mut activities = pair();
+        activities[1].0.marginal = watts(150);
+        let mut bench = Bench::new(activities);
+        bench.starts(1, min(0));
+        bench.estimate(min(5), percent, true);
+        asks(&bench.ends(1, min(6), Outcome::Succeeded), 2)
+    };
+    assert_eq!([hungry(80), hungry(41)], [true, false]);
 }

@@ -8,4 +8,5 @@ mod dispatch;
 mod early;
 mod handover;
 mod pauses;
+mod replans;
 mod silence;
