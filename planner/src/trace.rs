@@ -244,8 +244,6 @@ pub enum Why {
     NotStarted(ActivityId),
     /// A zone was not warm when it should be.
     ZoneCold,
-    /// The charge is not what was planned.
-    Charge,
     /// The communication windows changed.
     Windows,
     /// Tickets were taken, or came back.

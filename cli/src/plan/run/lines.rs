@@ -110,7 +110,6 @@ impl<'a> Lines<'a> {
             Why::Late(id) => format!("{} is late", name(id)),
             Why::NotStarted(id) => format!("{} will not start", name(id)),
             Why::ZoneCold => "a zone is not warm".to_owned(),
-            Why::Charge => "the charge is otherwise".to_owned(),
             Why::Windows => "the windows changed".to_owned(),
             Why::Tickets(id) => format!("tickets of {}", name(id)),
             Why::HandOver => "handed over".to_owned(),
