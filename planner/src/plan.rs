@@ -1,5 +1,7 @@
 //! What the ground writes: activities, and the limits of this plan.
 
+mod effects;
+
 use core::fmt;
 use core::num::NonZeroU32;
 
@@ -8,6 +10,8 @@ use faregate_tickets::amount::{Microjoules, Milliwatts};
 use serde::{Deserialize, Serialize};
 
 use crate::units::{Bytes, Ppm, Span, Time};
+
+pub use effects::{Constraint, Effect, Impact};
 
 /// A plan file's content (slide "Onboard Planner Overview").
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -217,43 +221,6 @@ pub enum Variable {
     Acm,
     /// Not saved.
     Ddi,
-}
-
-/// A change of a named timeline.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub struct Impact {
-    /// The timeline's name.
-    pub timeline: String,
-    /// What it does.
-    pub effect: Effect,
-}
-
-/// What an activity does to a timeline.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub enum Effect {
-    /// State: sets the value at its start.
-    SetAtStart(i64),
-    /// State: sets the value at its end.
-    SetAtEnd(i64),
-    /// Unit and renewable: takes so much from its start to its end.
-    Hold(i64),
-    /// Consumable: adds so much at its start.
-    AddAtStart(i64),
-    /// Consumable: adds so much at its end.
-    AddAtEnd(i64),
-    /// Consumable: adds so much for each second while it runs.
-    Rate(i64),
-}
-
-/// A range that a named timeline must keep while an activity runs.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub struct Constraint {
-    /// The timeline's name.
-    pub timeline: String,
-    /// The smallest value, inclusive.
-    pub min: i64,
-    /// The largest value, inclusive.
-    pub max: i64,
 }
 
 impl Activity {

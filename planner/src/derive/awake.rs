@@ -6,7 +6,7 @@ use crate::problem::{Draw, Problem};
 use crate::state::Mode;
 
 use super::mark::{Mark, Open, Phase, Up};
-use super::own::{Frame, Late, VarNeed};
+use super::own::{Frame, Late};
 use super::placed::Who;
 use super::var::{Reach, Var};
 
@@ -258,60 +258,13 @@ impl<'a, 'w, W: Watch> Sweep<'a, 'w, W> {
         self.watch.phase(Phase { wakeup: begun.wakeup, up: begun.up, down, asleep });
         self.phases += 1;
     }
-
-    /// The next need.
-    fn need(&mut self) -> Option<VarNeed> {
-        let frame = self.energy.frame;
-        let mut placed = frame.placed.needs.get(self.met.0);
-        while let Some(need) = placed
-            && frame.own.gone.contains(need)
-        {
-            self.met.0 += 1;
-            placed = frame.placed.needs.get(self.met.0);
-        }
-        let placed = placed.map(|need| VarNeed {
-            from: Var::fixed(need.from),
-            to: Var::fixed(need.to),
-            who: need.who,
-        });
-        let own = frame.own.needs.get(self.met.1).copied();
-        match (placed, own) {
-            (Some(placed), Some(own)) => {
-                Some(if self.reach.le(placed.from, own.from) { placed } else { own })
-            }
-            (placed, own) => placed.or(own),
-        }
-    }
-
-    /// The next need is met.
-    fn meet(&mut self, need: VarNeed) {
-        let own = self.energy.frame.own.needs.get(self.met.1);
-        if own.is_some_and(|own| own.who == need.who && own.from == need.from) {
-            self.met.1 += 1;
-        } else {
-            self.met.0 += 1;
-        }
-    }
-
-    /// When it is up for a need: earlier, where the phase would otherwise end
-    /// before it is long enough.
-    fn up_for(&mut self, need: VarNeed) -> Var {
-        if need.who == Who::AfterBlock {
-            return need.from;
-        }
-        let block = self.problem.next_block(need.from.at).map(|block| block.from);
-        let last = Var::fixed(block.unwrap_or(self.problem.end));
-        self.min(need.from, last.later(-self.problem.computer.min_awake))
-    }
-
-    fn wakeup_for(&mut self, need: VarNeed) -> Var {
-        self.up_for(need).later(-self.problem.computer.wakeup_time)
-    }
 }
 
 #[path = "compare.rs"]
 mod compare;
 #[path = "down.rs"]
 mod down;
+#[path = "needs.rs"]
+mod needs;
 #[path = "wake.rs"]
 mod wake;

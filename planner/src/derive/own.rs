@@ -73,7 +73,7 @@ impl Own {
         let mut own = Self::default();
         let item = &problem.items[candidate.item];
         let Candidate { start, end, .. } = candidate;
-        if start.at == end.at && end == start {
+        if start == end {
             return Ok(own);
         }
         own.adds(problem, (start, end), item.draw, Who::Item(candidate.item), reach)?;

@@ -170,9 +170,8 @@ impl Placed {
                 add(&mut self.needs, Need { from: block.to, who: Who::AfterBlock, to: block.to });
             }
         }
-        for (at, item) in problem.items.iter().enumerate() {
+        for item in &problem.items {
             if let Known::Block(Some((from, to))) = item.fate {
-                let _ = at;
                 self.draw(problem, from, to, item.draw, 1);
             }
         }
