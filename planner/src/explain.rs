@@ -4,9 +4,9 @@
 //! before, is as it was at the activity's turn. One unit less of the change,
 //! and it would not be in. To relax a limit or a start range never takes a
 //! valid start away, so there the change is the smallest that there is. A
-//! shorter manual shutdown or shorter heating moves what the computer does,
-//! and a change somewhat smaller could help where some larger one does not:
-//! such a one would not be found.
+//! manual shutdown that is shorter or at another time, and shorter heating,
+//! move what the computer does, and a change somewhat smaller could help where
+//! some larger one does not: such a one would not be found.
 //!
 //! Not looked at are the plan's end and the commit window: what changes them
 //! changes the whole plan.
@@ -77,6 +77,10 @@ pub enum Number {
     Cutoff(usize),
     /// A manual shutdown is shorter.
     Shutdown(ActivityId),
+    /// A manual shutdown begins earlier, with everything else where it is.
+    Earlier(ActivityId),
+    /// The same, later.
+    Later(ActivityId),
     /// A zone is heated for a shorter time: the zone and the row of its table,
     /// by their indices in the parameters.
     Heating(usize, usize),

@@ -11,6 +11,7 @@ mod expand;
 mod improve;
 mod keep;
 pub(crate) mod place;
+mod unavoidable;
 mod worth;
 
 pub use improve::{Budget, Improved, improve};

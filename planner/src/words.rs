@@ -83,6 +83,10 @@ impl<'a> Words<'a> {
             Limit::Resources(mask) => {
                 format!("{} held twice for {}", self.resources(*mask), span(excess.amount))
             }
+            Limit::Computer => {
+                let needed = span(excess.amount);
+                format!("computer needed for {needed} while the ground has it off")
+            }
             limit => self.broken(limit, excess.amount),
         };
         let by = excess.by.map(|id| format!("{}: ", self.activity(id))).unwrap_or_default();
@@ -229,6 +233,15 @@ mod tests {
         let held = Excess { by: None, limit: Limit::Resources(1 << 3), at, amount: 90_000 };
         let said = Words::new(&plan, &parameters).excess(&held);
         assert_eq!(said, "arm held twice for 1 min 30 s at 14:20");
+    }
+
+    #[test]
+    fn a_computer_that_is_needed_while_it_is_off_is_said_with_how_long() {
+        let (plan, parameters) = (plan(), parameters());
+        let at = Time::new(51_600_000);
+        let off = Excess { by: None, limit: Limit::Computer, at, amount: 90_000 };
+        let said = Words::new(&plan, &parameters).excess(&off);
+        assert_eq!(said, "computer needed for 1 min 30 s while the ground has it off at 14:20");
     }
 
     #[test]

@@ -12,7 +12,7 @@ use crate::scene::{Placed, Scene};
 use crate::steps::{Changes, Steps, first_past};
 use crate::valid::Broken;
 use crate::violation::{Rule, Violation};
-use crate::world::World;
+use crate::world::{World, needs};
 
 /// As it is listed.
 pub(crate) fn unavoidable(scene: &Scene<'_>, base: &World<'_>) -> Vec<Excess> {
@@ -67,7 +67,26 @@ fn broken_by_themselves(scene: &Scene<'_>, base: &World<'_>) -> Vec<Broken> {
     let named = scene.parameters.timelines.iter().map(|spec| {
         of(Limit::Timeline(spec.name.clone()), out_of_range(scene, &base.placed, spec))
     });
-    power.into_iter().chain([held]).chain(named).flatten().collect()
+    let computer = [of(Limit::Computer, in_blocks(scene, base))];
+    power.into_iter().chain([held]).chain(named).chain(computer).flatten().collect()
+}
+
+/// When the computer is needed in a manual block first, and for how long on end.
+fn in_blocks(scene: &Scene<'_>, base: &World<'_>) -> Option<(i64, i128)> {
+    let mut changes = Changes::default();
+    for (start, end) in needs(scene, &base.placed, &base.heatings, true) {
+        for block in scene.manual() {
+            let (from, to) = (start.max(block.start), end.min(block.end).min(scene.end));
+            if from.max(scene.now) < to {
+                changes.add_over(from.max(scene.now), to, 1);
+            }
+        }
+    }
+    let needed = changes.from(scene.now);
+    let instants: Vec<i64> = needed.instants().collect();
+    let at = instants.iter().copied().find(|at| needed.at(*at) > 0)?;
+    let until = instants.into_iter().find(|until| *until > at && needed.at(*until) == 0);
+    Some((at, i128::from(until.unwrap_or(scene.end) - at)))
 }
 
 /// When each bit is held, by windows and by what is placed.

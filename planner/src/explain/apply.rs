@@ -26,6 +26,8 @@ impl Relaxation {
             Number::To(range) => starts(plan, id, range, |it| it.to = it.to.after(by)),
             Number::Cutoff(range) => starts(plan, id, range, |it| it.cutoff = it.cutoff.after(by)),
             Number::Shutdown(block) => of(plan, block, |it| shorter(&mut it.duration)),
+            Number::Earlier(block) => moved(plan, block, Span::new(change.by.saturating_neg())),
+            Number::Later(block) => moved(plan, block, by),
             Number::Heating(zone, row) => {
                 let zone = parameters.zones.get_mut(zone);
                 if let Some(row) = zone.and_then(|zone| zone.table.get_mut(row)) {
@@ -112,6 +114,17 @@ fn of(plan: &mut Plan, id: ActivityId, change: impl FnOnce(&mut Activity)) {
     if let Some(activity) = plan.activities.iter_mut().find(|activity| activity.id == id) {
         change(activity);
     }
+}
+
+/// A manual shutdown, so much later.
+fn moved(plan: &mut Plan, block: ActivityId, by: Span) {
+    starts(plan, block, 0, |it| {
+        *it = StartRange {
+            from: it.from.after(by),
+            to: it.to.after(by),
+            cutoff: it.cutoff.after(by),
+        };
+    });
 }
 
 fn starts(plan: &mut Plan, id: ActivityId, range: usize, change: impl FnOnce(&mut StartRange)) {

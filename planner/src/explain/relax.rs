@@ -130,13 +130,17 @@ impl Turn<'_, '_> {
 
     /// Its turn once more, after a change of what the ground wrote.
     fn again(&self, limit: &Limit, change: Change) -> Option<i64> {
+        let problem = self.changed(limit, change)?;
+        let slot = self.pass.again(&problem).find(self.item).ok()?;
+        Some(slot.start.get())
+    }
+
+    fn changed(&self, limit: &Limit, change: Change) -> Option<Problem> {
         let old = self.pass.problem;
         let (mut plan, mut parameters) = (old.plan().clone(), old.parameters().clone());
         let relaxation = Relaxation { limit: limit.clone(), change: Some(change) };
         relaxation.apply(self.id, &mut plan, &mut parameters);
-        let problem = Problem::new(&plan, &parameters, old.state()).ok()?;
-        let slot = self.pass.again(&problem).find(self.item).ok()?;
-        Some(slot.start.get())
+        Problem::new(&plan, &parameters, old.state()).ok()
     }
 
     fn soft(&self) -> Option<(i64, i64)> {

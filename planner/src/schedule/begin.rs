@@ -41,7 +41,7 @@ impl<'a> Pass<'a> {
             pass.commit(incumbent);
         }
         pass.world = World::of(problem, &pass.placed);
-        pass.unavoidable = super::answer::unavoidable(&pass);
+        pass.unavoidable = super::unavoidable::unavoidable(&pass);
         pass
     }
 

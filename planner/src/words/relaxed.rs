@@ -42,6 +42,12 @@ impl Words<'_> {
             Number::Shutdown(block) => {
                 format!("manual shutdown {} shorter by {by}", self.activity(block))
             }
+            Number::Earlier(block) => {
+                format!("manual shutdown {} earlier by {by}", self.activity(block))
+            }
+            Number::Later(block) => {
+                format!("manual shutdown {} later by {by}", self.activity(block))
+            }
             Number::Heating(zone, row) => format!("{} shorter by {by}", self.heating(zone, row)),
             Number::Wakeup => format!("wakeup shorter by {by}"),
             Number::MinSleep => format!("minimum sleep shorter by {by}"),

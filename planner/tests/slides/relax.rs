@@ -170,17 +170,64 @@ fn of_a_unit_it_says_who_holds_it_until_when() {
     assert_eq!(change.until, Some(min(90)));
 }
 
-#[test]
-fn of_a_manual_shutdown_it_says_how_much_shorter() {
+const IS_COMPUTER: fn(&Limit) -> bool = |it| *it == Limit::Computer;
+
+fn night(minutes: i64, from: i64) -> Activity {
     let (shutdown, wakeup) = (Span::from_mins(5), Span::from_mins(5));
-    let night =
-        Activity { kind: Kind::ManualShutdown { shutdown, wakeup }, ..activity(2, 300, 100, 100) };
-    let down = rover(vec![activity(1, 30, 350, 380), night]);
-    let is_computer: fn(&Limit) -> bool = |it| *it == Limit::Computer;
-    assert_eq!(first(&down, 1, is_computer), (Number::Shutdown(id(2)), 20 * MINUTE, 380));
-    let within = rover(vec![activity(1, 30, 102, 104), down.plan.activities[1].clone()]);
-    let (number, _, start) = first(&within, 1, is_computer);
-    assert_eq!((number, start), (Number::Without, 102), "shutting down alone takes until 105");
+    Activity { kind: Kind::ManualShutdown { shutdown, wakeup }, ..activity(2, minutes, from, from) }
+}
+
+fn told_of_computer(rover: &Rover) -> Vec<(Number, i64, Time)> {
+    let all = changes(rover, 1, IS_COMPUTER).into_iter();
+    all.map(|it| (it.number, it.by / MINUTE, it.start)).collect()
+}
+
+#[test]
+fn of_a_manual_shutdown_it_says_how_much_shorter_or_how_far_away() {
+    let down = rover(vec![activity(1, 30, 350, 380), night(300, 100)]);
+    let said = told_of_computer(&down);
+    let shorter = (Number::Shutdown(id(2)), 20, min(380));
+    assert_eq!(said, [shorter, (Number::Earlier(id(2)), 20, min(380))], "either is enough");
+    let within = rover(vec![activity(1, 30, 102, 104), night(300, 100)]);
+    let later = (Number::Later(id(2)), 32, min(102));
+    assert_eq!(told_of_computer(&within), [later], "shutting down alone takes until 105");
+}
+
+#[test]
+fn a_manual_shutdown_is_not_moved_to_where_something_is() {
+    let beside = |at| Activity { priority: 20, ..activity(3, 30, at, at) };
+    let of = |at| rover(vec![activity(1, 30, 350, 380), beside(at), night(300, 100)]);
+    let moved = |rover: &Rover| told_of_computer(rover).into_iter().map(|(it, ..)| it).collect();
+    let both: Vec<Number> = moved(&of(50));
+    assert_eq!(
+        both,
+        [Number::Shutdown(id(2)), Number::Earlier(id(2))],
+        "from minute 80 on it fits"
+    );
+    let both: Vec<Number> = moved(&of(51));
+    assert_eq!(both, [Number::Shutdown(id(2)), Number::Later(id(2))], "what is there ends at 81");
+    let mut pass = of(20);
+    let window = |from: i64| faregate_planner::state::Window {
+        name: "pass".into(),
+        start: min(from),
+        end: min(from + 10),
+        awake: true,
+        marginal: Default::default(),
+        peak: Default::default(),
+        data: Bytes::ZERO,
+        engines: 0,
+        resources: Categories::NONE,
+    };
+    pass.state.windows = vec![window(85)];
+    let both: Vec<Number> = moved(&pass);
+    assert_eq!(both, [Number::Shutdown(id(2)), Number::Later(id(2))], "a window is there");
+}
+
+#[test]
+fn what_no_other_time_of_a_manual_shutdown_is_enough_for_would_need_none() {
+    let mut short = rover(vec![activity(1, 30, 102, 104), night(300, 100)]);
+    (short.plan.end, short.plan.handover) = (min(420), min(420));
+    assert_eq!(told_of_computer(&short), [(Number::Without, 0, min(102))]);
 }
 
 #[test]

@@ -137,12 +137,10 @@ fn an_activity_beside_another_extends_the_phase_that_is_there() {
 
 #[test]
 fn nothing_that_is_left_out_could_start_while_the_computer_sleeps() {
-    // Each would take more charge than there is in the one sleep, and one of them
-    // is for somebody else's want of charge out.
     let hungry = |number| drawing(160, activity(number, 60, 0, 300));
     let rover = rover((1..8).map(hungry).collect());
     let timed = rover.timed();
-    let out = |number: &u32| slot(&timed, *number).is_none();
+    let out = |number: &u32| timed.slot(id(*number)).is_none();
     let left_out: Vec<u32> = (1..8).filter(out).collect();
     assert!(!left_out.is_empty() && left_out.len() < 7, "{left_out:?}");
     let asleep = |at: &i64| !awake(&timed).iter().any(|it| it[0] <= *at && *at < it[3]);

@@ -40,7 +40,7 @@ fn overloaded(seed: u64) -> World {
             name: format!("pass {number}"),
             start,
             end: Time::new(start.get() + rng.i64(0..30)),
-            awake: false,
+            awake: rng.u8(0..3) == 0,
             marginal: Default::default(),
             peak: Default::default(),
             data: Bytes::ZERO,
@@ -72,6 +72,7 @@ const fn kind(limit: &Limit) -> &'static str {
         Limit::Engines => "engines",
         Limit::Resources(_) => "bits",
         Limit::Timeline(_) => "timeline",
+        Limit::Computer => "computer",
         _ => "other",
     }
 }
@@ -100,7 +101,7 @@ fn what_is_unavoidable_is_listed_with_when_and_by_how_much() {
         }
     }
     println!("{seen:?}");
-    for kind in ["soft minimum", "handover", "peak", "engines", "bits", "timeline"] {
+    for kind in ["soft minimum", "handover", "peak", "engines", "bits", "timeline", "computer"] {
         assert!(seen.get(kind).is_some_and(|count| *count > 10), "{kind}: {seen:?}");
     }
 }

@@ -1,23 +1,26 @@
-//! What the computer does: a shorter manual shutdown, and less time for waking
-//! up and heating. Everything that follows is derived anew for each try.
+//! What the computer does: a manual shutdown that is shorter, or at another
+//! time, and less time for waking up and heating. Everything that follows is
+//! derived anew for each try.
 
-use crate::plan::Kind;
+use crate::plan::{Activity, Kind};
 use crate::problem::Known;
 use crate::timed::Limit;
+use crate::timeline::Intervals;
 use crate::units::Time;
 
 use super::super::{Change, Number};
-use super::{Turn, change, least};
+use super::{Turn, change, halved, least};
 
 impl Turn<'_, '_> {
-    /// Each manual shutdown that may be in the way: shorter, or else none.
+    /// Each manual shutdown that may be in the way: shorter, or at another time,
+    /// or else none.
     pub(super) fn shutdowns(&self) -> Vec<Change> {
         let items = self.pass.problem.items.iter().enumerate();
         let blocks = items.filter_map(|(at, item)| match item.fate {
             Known::Block(Some(span)) if self.may_meet(span) => Some((at, span)),
             _ => None,
         });
-        blocks.filter_map(|(at, span)| self.shutdown(at, span)).collect()
+        blocks.flat_map(|(at, span)| self.shutdown(at, span)).collect()
     }
 
     /// Whether it, or what is heated for it, lies in it at some start.
@@ -32,8 +35,16 @@ impl Turn<'_, '_> {
         })
     }
 
-    fn shutdown(&self, at: usize, (_, to): (i64, i64)) -> Option<Change> {
+    fn shutdown(&self, at: usize, span: (i64, i64)) -> Vec<Change> {
         let block = &self.pass.problem.plan.activities[at];
+        let helps = [self.shorter(block, span), self.moved(at, span)];
+        let helps: Vec<_> = helps.into_iter().flatten().collect();
+        let helps =
+            if helps.is_empty() { self.without(block).into_iter().collect() } else { helps };
+        helps.into_iter().map(|change| Change { with: Some(block.id), ..change }).collect()
+    }
+
+    fn shorter(&self, block: &Activity, (_, to): (i64, i64)) -> Option<Change> {
         let Kind::ManualShutdown { shutdown, wakeup } = block.kind else { return None };
         let number = Number::Shutdown(block.id);
         let found = |by: i64| self.again(&Limit::Computer, change(number, (by, 0)));
@@ -41,11 +52,44 @@ impl Turn<'_, '_> {
         // It is not over by now.
         let most = most.min(to - self.pass.problem.now - 1);
         let shorter = if most > 0 { least(most, found) } else { None };
-        let with = Some(block.id);
-        if let Some(shorter) = shorter {
-            return Some(Change { with, ..change(number, shorter) });
-        }
-        let without = Change { with, ..change(Number::Without, (0, 0)) };
+        shorter.map(|shorter| change(number, shorter))
+    }
+
+    /// Not one that has begun, and not to where something is that needs the
+    /// computer.
+    fn moved(&self, at: usize, (from, to): (i64, i64)) -> Option<Change> {
+        let problem = self.pass.problem;
+        let id = problem.plan.activities[at].id;
+        let taken = self.pass.needs_computer();
+        // By so much earlier or later it would meet what is there.
+        let earlier = taken.iter().map(|need| (from - need.1 + 1, to - need.0 - 1));
+        let later = taken.iter().map(|need| (need.0 - to + 1, need.1 - from - 1));
+        let both = [
+            (Number::Earlier(id), free(earlier, from - problem.now)),
+            (Number::Later(id), free(later, problem.end - to)),
+        ];
+        let moves = both.into_iter().filter(|_| from > problem.now);
+        let moves = moves.filter_map(|(number, free)| {
+            let found = |by: i64| self.again_beside(at, change(number, (by, 0)));
+            let found = free.iter().find_map(|(a, b)| least_within(a.get(), b.get(), found));
+            found.map(|found| change(number, found))
+        });
+        moves.min_by_key(|it| (it.by, it.start))
+    }
+
+    /// Its turn once more after a manual shutdown was moved, if everything that
+    /// is placed stays out of that and breaks nothing that it did not.
+    fn again_beside(&self, at: usize, change: Change) -> Option<i64> {
+        let problem = self.changed(&Limit::Computer, change)?;
+        let mut again = self.pass.again(&problem);
+        let is_apart = again.is_apart_from_blocks() && again.is_free_for(at);
+        let keeps = is_apart && again.keeps_as(&self.pass.world);
+        let slot = if keeps { again.find(self.item).ok()? } else { return None };
+        Some(slot.start.get())
+    }
+
+    fn without(&self, block: &Activity) -> Option<Change> {
+        let without = Change { with: Some(block.id), ..change(Number::Without, (0, 0)) };
         let start = self.again(&Limit::Computer, without)?;
         Some(Change { start: Time::new(start), ..without })
     }
@@ -72,4 +116,21 @@ impl Turn<'_, '_> {
         let sleep = (Number::MinSleep, problem.computer.min_sleep);
         heating.chain([wakeup, sleep]).collect()
     }
+}
+
+/// The changes from 1 to `most` that are in none of these.
+fn free(taken: impl Iterator<Item = (i64, i64)>, most: i64) -> Intervals {
+    let taken = taken.map(|(first, last)| (Time::new(first), Time::new(last)));
+    Intervals::between(Time::new(1), Time::new(most)).without(&Intervals::of(taken))
+}
+
+/// The smallest change between two with which something is found: tried from the
+/// first one on in steps that double, since too far can be as wrong as not far
+/// enough, and at the last one.
+fn least_within(first: i64, last: i64, found: impl Fn(i64) -> Option<i64>) -> Option<(i64, i64)> {
+    let steps = (0..63).map(|power| (1_i64 << power) - 1).take_while(|step| first + step < last);
+    let mut tries = steps.map(|step| first + step).chain([last]);
+    let enough = tries.find_map(|by| Some((by, found(by)?)))?;
+    let past = |by: i64| if by < first { None } else { found(by) };
+    Some(halved(enough, past))
 }
