@@ -33,7 +33,9 @@ impl Control {
                 self.wish(Why::Windows);
             }
             Event::Veto(id) => {
-                if self.is_open(id) {
+                // A manual block that has begun has started, though nobody starts it.
+                let has_begun = self.block_now().is_some_and(|block| block.id == id);
+                if self.is_open(id) && !has_begun {
                     self.give_up(id, Unstarted::Vetoed);
                 }
             }

@@ -1,13 +1,14 @@
 //! The computer and the heaters: what the planner generated, as it becomes due.
 
 use super::{Action, Control};
-use crate::plan::Kind;
+use crate::plan::{ActivityId, Kind};
 use crate::state::Mode;
 use crate::units::{Span, Time};
 
 /// A manual shutdown, sleep and wakeup.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Block {
+    pub(super) id: ActivityId,
     pub(super) from: Time,
     pub(super) until: Time,
     shutdown: Span,
@@ -15,11 +16,14 @@ pub(super) struct Block {
 }
 
 impl Control {
+    /// Those that are not over, and were not vetoed.
     pub(super) fn blocks(&self) -> impl Iterator<Item = Block> {
-        self.plan.activities.iter().filter_map(|activity| {
+        let open = self.plan.activities.iter().filter(|activity| self.is_open(activity.id));
+        open.filter_map(|activity| {
             let Kind::ManualShutdown { shutdown, wakeup } = activity.kind else { return None };
             let from = activity.starts.first()?.from;
-            Some(Block { from, until: from.after(activity.duration), shutdown, wakeup })
+            let until = from.after(activity.duration);
+            Some(Block { id: activity.id, from, until, shutdown, wakeup })
         })
     }
 

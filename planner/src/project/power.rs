@@ -1,7 +1,7 @@
 //! What is drawn, and what is left in the battery.
 
 use crate::parameters::{Load, Parameters, Phase};
-use crate::plan::{Kind, Plan};
+use crate::plan::{Activity, Kind, Plan};
 use crate::state::{Mode, State};
 use crate::timed::{Fate, Line, TimedPlan};
 use crate::timeline::Total;
@@ -68,11 +68,13 @@ impl Drawn {
         }
     }
 
-    /// Manual shutdowns; and the shutdown in progress, unless it is one of them.
+    /// Manual shutdowns that were not vetoed; and the shutdown in progress, unless
+    /// it is one of them.
     fn blocks(&mut self, plan: &Plan, parameters: &Parameters, state: &State) {
         let Parameters { shutdown: Phase { duration, load: down }, wakeup, .. } = *parameters;
         let mut inside = false;
-        for activity in &plan.activities {
+        let gone = |activity: &&Activity| state.ended.iter().any(|one| one.id == activity.id);
+        for activity in plan.activities.iter().filter(|activity| !gone(activity)) {
             let Kind::ManualShutdown { shutdown, wakeup: up } = activity.kind else { continue };
             let Some(range) = activity.starts.first() else { continue };
             let (from, to) = (range.from, range.from.after(activity.duration));

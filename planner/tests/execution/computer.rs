@@ -2,13 +2,14 @@
 //! generated, as it becomes due.
 
 use faregate_planner::execute::{Action, Event};
-use faregate_planner::plan::Outcome;
-use faregate_planner::state::Mode;
+use faregate_planner::plan::{Kind, Outcome, StartRange};
+use faregate_planner::state::{Mode, Window};
 use faregate_planner::timed::{AwakePhase, Preheat, TimedPlan};
+use faregate_planner::trace::Unstarted;
 use faregate_planner::units::Span;
 use faregate_planner::{Activity, Plan};
 
-use crate::bench::{Bench, activity, min, options, parameters};
+use crate::bench::{Bench, activity, id, min, options, parameters};
 
 const FIVE: Span = Span::from_mins(5);
 
@@ -76,18 +77,58 @@ fn zones_are_heated_as_planned() {
     assert!(bench.tick(min(20)).contains(&heat(false)));
 }
 
-#[test]
-fn a_manual_block_comes_before_everything_else() {
-    use faregate_planner::plan::{Kind, StartRange};
+/// From minute 20 to minute 80.
+fn block() -> (Activity, i64) {
     let kind = Kind::ManualShutdown { shutdown: FIVE, wakeup: FIVE };
     let starts = vec![StartRange { from: min(20), to: min(20), cutoff: min(80) }];
-    let block = Activity { kind, starts, duration: Span::from_mins(60), ..activity(9) };
-    let mut bench = Bench::new(vec![(crate::bench::mandatory(1), 15), (block, 20)]);
+    (Activity { kind, starts, duration: Span::from_mins(60), ..activity(9) }, 20)
+}
+
+#[test]
+fn a_manual_block_comes_before_everything_else() {
+    let mut bench = Bench::new(vec![(crate::bench::mandatory(1), 15), block()]);
     bench.starts(1, min(15));
     let actions = bench.tick(min(20));
     assert!(actions.contains(&Action::ShutDown(FIVE)), "{actions:?}");
     assert_eq!(bench.outcome(1), Some(Outcome::Aborted));
     bench.event(min(25), Event::Mode(Mode::Asleep));
     assert!(bench.tick(min(75)).contains(&Action::Wake(FIVE)));
-    assert!(bench.tick(min(80)).contains(&Action::BlockOver(crate::bench::id(9))));
+    assert!(bench.tick(min(80)).contains(&Action::BlockOver(id(9))));
+}
+
+#[test]
+fn a_manual_block_that_was_vetoed_is_none_and_one_that_has_begun_is_not_vetoed() {
+    let mut bench = Bench::new(vec![block()]);
+    let vetoed = Action::NotStarted(id(9), Unstarted::Vetoed);
+    assert!(bench.event(min(10), Event::Veto(id(9))).contains(&vetoed));
+    assert!(!bench.tick(min(20)).contains(&Action::ShutDown(FIVE)));
+    assert_ne!(bench.control.due(), Some(min(75)), "nobody wakes up from it");
+
+    let mut bench = Bench::new(vec![block()]);
+    assert!(bench.tick(min(20)).contains(&Action::ShutDown(FIVE)));
+    bench.event(min(25), Event::Mode(Mode::Asleep));
+    assert!(!bench.event(min(30), Event::Veto(id(9))).contains(&vetoed));
+    assert!(bench.tick(min(75)).contains(&Action::Wake(FIVE)));
+}
+
+#[test]
+fn no_window_wakes_the_computer_in_a_manual_block() {
+    let window = Window {
+        name: "pass".into(),
+        start: min(30),
+        end: min(90),
+        awake: true,
+        marginal: Default::default(),
+        peak: Default::default(),
+        data: Default::default(),
+        engines: 0,
+        resources: Default::default(),
+    };
+    let mut bench = Bench::new(vec![block()]);
+    bench.event(min(10), Event::Windows(vec![window]));
+    assert!(bench.tick(min(20)).contains(&Action::ShutDown(FIVE)));
+    bench.event(min(25), Event::Mode(Mode::Asleep));
+    let wakes = |actions: &[Action]| actions.contains(&Action::Wake(FIVE));
+    assert!(!wakes(&bench.tick(min(30))));
+    assert!(wakes(&bench.tick(min(75))), "the block's own wakeup");
 }

@@ -1,8 +1,9 @@
 //! "Wake/Sleep Scheduling with Energy Limits", "Activity Types: Shutdown
 //! Related Activities".
 
-use faregate_planner::plan::{Activity, Kind};
-use faregate_planner::state::{Mode, Window};
+use faregate_planner::plan::{Activity, Kind, Outcome};
+use faregate_planner::project;
+use faregate_planner::state::{Ended, Mode, Window};
 use faregate_planner::timed::Limit;
 use faregate_planner::units::{Span, Time};
 
@@ -74,6 +75,26 @@ fn nothing_overlaps_a_manual_shutdown_and_the_computer_is_up_around_it() {
     assert_eq!(slot(&timed, 2), Some((120, 140)), "it does not fit before");
     assert_eq!(limit(&timed, 3), Limit::Computer);
     assert_eq!(awake(&timed)[..2], [[45, 50, 60, 60], [120, 120, 140, 145]]);
+}
+
+#[test]
+fn a_manual_shutdown_that_was_vetoed_is_none() {
+    let five = Span::from_mins(5);
+    let kind = Kind::ManualShutdown { shutdown: five, wakeup: five };
+    let manual = drawing(30, Activity { kind, ..activity(1, 60, 60, 60) });
+    let within = activity(2, 20, 70, 90);
+    let mut vetoed = rover(vec![manual, within.clone()]);
+    let (outcome, data) = (Outcome::NotStarted, Default::default());
+    vetoed.state.ended = vec![Ended { id: id(1), outcome, started: None, ended: min(0), data }];
+    let without = rover(vec![within]);
+    let seen = |rover: &Rover| {
+        let timed = rover.timed();
+        let Rover { plan, parameters, state } = rover;
+        let lines = project(plan, parameters, state, &timed).unwrap().lines;
+        (slot(&timed, 2), awake(&timed), lines)
+    };
+    assert_eq!(seen(&vetoed), seen(&without));
+    assert_eq!(seen(&without).0, Some((70, 90)));
 }
 
 #[test]
