@@ -93,7 +93,7 @@ fn every_slide_has_its_code_and_its_test() {
             if word.ends_with(".rs") {
                 file = Some((word, read(word)));
             } else if let Some((path, text)) = file.as_ref().filter(|_| is_a_test_name(word)) {
-                assert!(text.contains(&format!("fn {word}()")), "{path} has no {word}");
+                assert!(text.contains(&format!("fn {word}(")), "{path} has no {word}");
                 tests += 1;
             }
         }

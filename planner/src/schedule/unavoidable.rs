@@ -102,15 +102,19 @@ impl Pass<'_> {
         is_free
     }
 
-    /// Whether it breaks nothing, of what depends on what is derived, that this
-    /// world does not.
-    pub(crate) fn keeps_as(&self, other: &World) -> bool {
-        let least = self.problem.battery.handover;
-        let handover = self.problem.handover.is_none_or(|at| {
-            let (charge, before) = (self.world.charge(at), other.charge(at));
-            charge >= least || charge >= before
+    /// Whether what is placed, all of it together, breaks nothing of what depends
+    /// on what is derived that is not broken with nothing placed.
+    pub(crate) fn keeps_by_itself(&self) -> bool {
+        let problem = self.problem;
+        let base = Pass::new(problem, None).world;
+        let placed = self.slots.iter().zip(&problem.items).filter(|(slot, _)| slot.is_some());
+        // The minimum at handover is one that mandatory ones may break.
+        let mut chosen = placed.map(|(_, item)| item).filter(|item| item.is_candidate());
+        let handover = problem.handover.is_none_or(|at| {
+            let least = problem.battery.handover.min(base.charge(at));
+            chosen.any(|item| item.mandatory) || self.world.charge(at) >= least
         });
-        handover && keeps(self.problem, (&self.placed, &self.world), other)
+        handover && keeps(problem, (&self.placed, &self.world), &base)
     }
 }
 

@@ -4,8 +4,8 @@
 use faregate_planner::plan::{Activity, Dependency, Kind, Outcome, Status};
 use faregate_planner::schedule;
 use faregate_planner::state::Ended;
-use faregate_planner::timed::{Limit, Reason};
-use faregate_planner::units::{Bytes, Ppm, Span};
+use faregate_planner::timed::{Limit, Reason, TimedPlan};
+use faregate_planner::units::{Bytes, Ppm, Span, Time};
 
 use crate::rover::*;
 
@@ -74,6 +74,28 @@ fn an_expanding_activity_runs_as_long_as_limits_let_it() {
     let mut cut = drive(600);
     cut.starts[0].cutoff = min(100);
     assert_eq!(slot(&rover(vec![cut]).timed(), 1), Some((60, 100)));
+}
+
+/// Only the minimum of a mandatory one is mandatory.
+#[test]
+fn a_mandatory_drive_is_made_no_longer_than_the_handover_minimum_allows() {
+    let of = |ppm| {
+        let kind = Kind::Expanding { minimum: Span::from_mins(30) };
+        let duration = Span::from_mins(600);
+        let drive = Activity { kind, duration, priority: MANDATORY, ..activity(1, 30, 60, 60) };
+        let mut rover = rover(vec![drawing(160, drive)]);
+        rover.parameters.max_soc = Ppm::new(1_000_000);
+        rover.plan.handover = min(300);
+        rover.plan.handover_min_soc = Ppm::new(ppm);
+        rover.timed()
+    };
+    // 676.7 Wh at minute 60; what ends at minute e leaves 1213.3 Wh - e * 220/60
+    // at minute 300: 800 Wh, if that is minute 112.7.
+    let end = |timed: &TimedPlan| timed.slot(id(1)).map(|slot| slot.end);
+    assert_eq!(end(&of(800_000)), Some(Time::new(6_763_636)));
+    let broken = of(900_000);
+    assert_eq!(end(&broken), Some(min(90)), "its minimum breaks it, and it gets no more");
+    assert_eq!(broken.excess[0].limit, Limit::Handover);
 }
 
 #[test]

@@ -3,10 +3,10 @@
 
 use faregate_agents::Categories;
 use faregate_planner::parameters::{TimelineKind, TimelineSpec};
-use faregate_planner::plan::{Activity, Effect, Impact, StartRange};
+use faregate_planner::plan::{Activity, Effect, Impact, Kind, StartRange};
 use faregate_planner::state::{Running, Window};
 use faregate_planner::timed::{Excess, Limit, Reason};
-use faregate_planner::units::Bytes;
+use faregate_planner::units::{Bytes, Span};
 
 use crate::rover::*;
 
@@ -136,4 +136,22 @@ fn a_named_timeline_that_a_running_one_drains_is_unavoidable() {
     let at = faregate_planner::units::Time::new(50_001);
     let limit = Limit::Timeline("fuel".into());
     assert_eq!(rover.timed().unavoidable, [Excess { by: None, limit, at, amount: 1 }]);
+}
+
+/// The ground's shutdown and a window cannot both be had, and neither is the
+/// planner's to move.
+#[test]
+fn a_window_in_a_manual_shutdown_is_unavoidable_and_all_else_is_planned() {
+    let five = Span::from_mins(5);
+    let kind = Kind::ManualShutdown { shutdown: five, wakeup: five };
+    let night = Activity { kind, ..activity(1, 60, 60, 60) };
+    let mut rover = rover(vec![night, activity(2, 20, 150, 200)]);
+    let pass = |from, to, awake| Window { awake, ..window(from, to, 0) };
+    rover.state.windows = vec![pass(110, 130, true), pass(70, 80, true), pass(75, 90, true)];
+    let timed = rover.timed();
+    let needed = Excess { by: None, limit: Limit::Computer, at: min(70), amount: 20 * 60_000 };
+    assert_eq!(timed.unavoidable, [needed], "the first time, as long as it lasts");
+    assert_eq!(slot(&timed, 2), Some((150, 170)));
+    rover.state.windows = vec![pass(70, 90, false), pass(40, 60, true), pass(120, 130, true)];
+    assert_eq!(rover.timed().unavoidable, [], "without the computer, before and after it");
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use faregate_agents::Categories;
 use faregate_checker::{Effort, Rule, check, reference};
+use faregate_planner::plan::Kind;
 use faregate_planner::state::{Mode, Running, Window};
 use faregate_planner::timed::Limit;
 use faregate_planner::units::{Bytes, Time};
@@ -34,21 +35,41 @@ fn overloaded(seed: u64) -> World {
     });
     let runs: Vec<_> = runs.collect();
     state.running.extend(runs);
+    let blocks = world.plan.activities.iter();
+    let blocks = blocks.filter(|it| matches!(it.kind, Kind::ManualShutdown { .. }));
+    for block in blocks {
+        // Before it, in it, or over one of its ends.
+        let start = Time::new(block.starts[0].from.get() + rng.i64(-10..20));
+        let end = Time::new(start.get() + rng.i64(1..20));
+        state.windows.push(Window { start, end, awake: true, ..pass("block") });
+    }
     for number in 0..rng.usize(0..3) {
         let start = Time::new(now.get() + rng.i64(0..60));
         state.windows.push(Window {
-            name: format!("pass {number}"),
             start,
             end: Time::new(start.get() + rng.i64(0..30)),
             awake: rng.u8(0..3) == 0,
-            marginal: Default::default(),
-            peak: Default::default(),
-            data: Bytes::ZERO,
             engines: rng.u32(0..3),
             resources: Categories::from_mask(u128::from(rng.u8(0..16))),
+            ..pass(&number.to_string())
         });
     }
     world
+}
+
+/// It takes nothing.
+fn pass(name: &str) -> Window {
+    Window {
+        name: name.to_owned(),
+        start: Time::ZERO,
+        end: Time::ZERO,
+        awake: false,
+        marginal: Default::default(),
+        peak: Default::default(),
+        data: Bytes::ZERO,
+        engines: 0,
+        resources: Default::default(),
+    }
 }
 
 fn planned(world: &World) -> Option<TimedPlan> {

@@ -78,12 +78,12 @@ impl Turn<'_, '_> {
     }
 
     /// Its turn once more after a manual shutdown was moved, if everything that
-    /// is placed stays out of that and breaks nothing that it did not.
+    /// is placed is out of that and still keeps every limit.
     fn again_beside(&self, at: usize, change: Change) -> Option<i64> {
         let problem = self.changed(&Limit::Computer, change)?;
         let mut again = self.pass.again(&problem);
         let is_apart = again.is_apart_from_blocks() && again.is_free_for(at);
-        let keeps = is_apart && again.keeps_as(&self.pass.world);
+        let keeps = is_apart && again.keeps_by_itself();
         let slot = if keeps { again.find(self.item).ok()? } else { return None };
         Some(slot.start.get())
     }
