@@ -11,7 +11,7 @@ pub(crate) use live::{
     ToAllArgs, WatchArgs,
 };
 pub(crate) use offline::{
-    AnalyzeArgs, CheckArgs, CompletionsArgs, ConflictColumn, ConvertArgs, FilesArgs, RunArgs,
+    AnalyzeArgs, CheckArgs, CompletionsArgs, ConflictColumn, ConvertArgs, FilesArgs, PlannedArgs, RunArgs,
 };
 pub(crate) use plan::{
     PlanAction, PlanCheckArgs, PlanConvertArgs, PlanDiffArgs, PlanMakeArgs, PlanNewArgs,
@@ -39,7 +39,7 @@ pub(crate) enum What {
     /// Writes a schedule in another format, and lists what that cannot hold.
     Convert(ConvertArgs),
     /// Runs a schedule: processes, functions, sequences, on the mission's
-    /// simulated devices.
+    /// simulated devices. With a plan, the onboard planner makes the schedule.
     Run(RunArgs),
     /// Plans of the onboard planner.
     #[command(subcommand)]

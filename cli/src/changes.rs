@@ -1,6 +1,9 @@
 //! One line for each change: when, what, which task, why.
 
+use std::collections::BTreeMap;
+
 use anstyle::Style;
+use faregate_scheduler::TaskId;
 use faregate_scheduler::manager::{Exit, Note, Occurrence};
 use faregate_scheduler::task::Outcome;
 
@@ -13,11 +16,24 @@ pub(crate) struct Changes {
     /// The occurrence whose last attempt was just told to be over: that the
     /// occurrence is over is then no news.
     over: Option<(Occurrence, Outcome)>,
+    /// What tasks of a plan are called.
+    names: BTreeMap<TaskId, Option<String>>,
 }
 
 /// How it is told that so many changes were not.
 pub(crate) fn lost(count: u64) -> String {
     out::styled(ODD, format_args!("{count} changes were not told"))
+}
+
+/// A change that no task is about.
+pub(crate) fn said(at_us: u64, state: &str, what: &str) -> String {
+    in_columns(at_us, (STRONG, state), what, "")
+}
+
+fn in_columns(at_us: u64, (style, state): (Style, &str), who: &str, why: &str) -> String {
+    let state = out::styled(style, format_args!("{state:<10}"));
+    let line = format!("{:>12}  {state}  {who:<24}  {why}", shown(at_us, 3));
+    line.trim_end().to_owned()
 }
 
 /// A line, in its columns.
@@ -29,6 +45,13 @@ struct Line {
 }
 
 impl Changes {
+    /// From now on the task's name is told with its number. That it comes into
+    /// the schedule, and leaves it before it starts, is what a plan does all the
+    /// time, and is not told.
+    pub(crate) fn call(&mut self, task: TaskId, name: Option<&str>) {
+        self.names.insert(task, name.map(str::to_owned));
+    }
+
     /// The change in a line, if it is news.
     pub(crate) fn told(&mut self, at_us: u64, note: &Note) -> Option<String> {
         self.line(note).map(|line| line.shown(at_us))
@@ -43,7 +66,14 @@ impl Changes {
             }
             _ => {}
         }
-        Some(Line::of(note))
+        let mut line = Line::of(note);
+        let name = task_of(note).and_then(|task| self.names.get(&task));
+        match (name, note) {
+            (Some(_), Note::Accepted(_) | Note::Removed(_)) => return None,
+            (Some(Some(name)), _) => line.who = format!("{}, {name}", line.who),
+            _ => {}
+        }
+        Some(line)
     }
 }
 
@@ -99,10 +129,28 @@ impl Line {
 
     fn shown(&self, at_us: u64) -> String {
         let Self { style, state, who, why } = self;
-        let state = out::styled(*style, format_args!("{state:<10}"));
-        let line = format!("{:>12}  {state}  {who:<24}  {why}", shown(at_us, 3));
-        line.trim_end().to_owned()
+        in_columns(at_us, (*style, state), who, why)
     }
+}
+
+/// Whom a change is about.
+const fn task_of(note: &Note) -> Option<TaskId> {
+    Some(match note {
+        Note::Accepted(task)
+        | Note::Removed(task)
+        | Note::Missed { task, .. }
+        | Note::NeverRuns { task, .. } => *task,
+        Note::Waits { occurrence, .. } | Note::Ended { occurrence, .. } => occurrence.task,
+        Note::Started(attempt)
+        | Note::Paused(attempt)
+        | Note::Resumed(attempt)
+        | Note::Preempted(attempt)
+        | Note::Runaway(attempt)
+        | Note::Stopping { attempt, .. }
+        | Note::Over { attempt, .. }
+        | Note::Overran { attempt, .. } => attempt.occurrence.task,
+        Note::Mode { .. } => return None,
+    })
 }
 
 fn style(outcome: Outcome) -> Style {

@@ -4,9 +4,11 @@ mod descriptors;
 mod display;
 mod host;
 mod outside;
+mod planned;
 mod tally;
 mod teller;
 mod virtual_clock;
+mod virtual_plan;
 
 use crate::args::RunArgs;
 use crate::exit::{Exit, Failure};
@@ -15,19 +17,26 @@ use teller::Teller;
 use virtual_clock::Pace;
 
 pub(crate) fn run(args: &RunArgs) -> Result<Exit, Failure> {
-    let schedule = schedule::read(&args.files)?;
+    let (schedule, plan) = match planned::read(&args.files, &args.planned)? {
+        Some((schedule, plan)) => (schedule, Some(plan)),
+        None => (schedule::read(&args.files)?, None),
+    };
     let mut teller = Teller::new(args.format);
     teller.say(&schedule.summary());
-    let teller = match (args.speed, args.virtual_clock) {
-        (Some(speed), _) => virtual_clock::run(schedule, Pace::Times(speed), args.time, teller)?,
-        (None, true) => virtual_clock::run(schedule, Pace::Free, args.time, teller)?,
-        (None, false) => host::run(args, schedule, teller.for_real_time()?)?,
+    let pace = match (args.speed, args.virtual_clock) {
+        (Some(speed), _) => Pace::Times(speed),
+        (None, true) => Pace::Free,
+        (None, false) => return end(host::run(args, schedule, plan, teller.for_real_time()?)?),
     };
-    end(teller)
+    end(match plan {
+        Some(plan) => virtual_plan::run(schedule, plan, pace, args.time, teller)?,
+        None => virtual_clock::run(schedule, pace, args.time, teller)?,
+    })
 }
 
 /// The numbers of the run, and how the program ends with them.
 fn end(mut teller: Teller) -> Result<Exit, Failure> {
-    teller.say(&teller.tally.to_string());
-    teller.tally.wanting().map_or(Ok(Exit::Done), |why| Err(Failure::failed(why)))
+    let result = teller.result();
+    teller.say(&result);
+    teller.wanting().map_or(Ok(Exit::Done), |why| Err(Failure::failed(why)))
 }

@@ -22,6 +22,8 @@ pub(crate) struct Schedule {
     /// How more files are read.
     pub(crate) loader: Loader,
     names: Vec<String>,
+    /// The plan that brings the tasks, where one does.
+    plan: Option<String>,
 }
 
 /// Reads further files of the same schedule.
@@ -112,7 +114,7 @@ pub(crate) fn examine(args: &FilesArgs) -> Result<Examined, Failure> {
         let mut mission = brought.mission;
         simulation::complete(&mut mission);
         let loader = Loader { conflict, mission: mission.clone() };
-        examined.schedule = Some(Schedule { tasks, mission, loader, names });
+        examined.schedule = Some(Schedule { tasks, mission, loader, names, plan: None });
     }
     Ok(examined)
 }
@@ -206,8 +208,16 @@ impl Schedule {
         }
     }
 
+    /// Its tasks are those of a plan of this name.
+    pub(crate) fn is_for(&mut self, plan: &str) {
+        self.plan = Some(plan.to_owned());
+    }
+
     /// The same with its size.
     pub(crate) fn summary(&self) -> String {
+        if let Some(plan) = &self.plan {
+            return format!("{plan}: {}", self.title());
+        }
         let plural = if self.tasks.len() == 1 { "task" } else { "tasks" };
         format!("{}: {} {plural}", self.title(), self.tasks.len())
     }

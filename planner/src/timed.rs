@@ -173,6 +173,27 @@ pub struct Line {
     pub points: Vec<(Time, i64)>,
 }
 
+impl Line {
+    /// The value at an instant: that of the first point before there is one, and
+    /// of the last one after it. Between points, what is no state goes in a
+    /// straight line, rounded towards the earlier value.
+    #[must_use]
+    pub fn at(&self, at: Time) -> Option<i64> {
+        let later = self.points.partition_point(|(point, _)| *point <= at);
+        let after = self.points.get(later);
+        let before = later.checked_sub(1).and_then(|index| self.points.get(index));
+        match (before, after) {
+            (Some((t0, y0)), Some((t1, y1))) if !self.steps => {
+                let part = i128::from(at.since(*t0).get()) * (i128::from(*y1) - i128::from(*y0));
+                let more = part / i128::from(t1.since(*t0).get().max(1));
+                Some(y0.saturating_add(i64::try_from(more).unwrap_or(i64::MAX)))
+            }
+            (Some((_, value)), _) | (None, Some((_, value))) => Some(*value),
+            (None, None) => None,
+        }
+    }
+}
+
 impl TimedPlan {
     /// When an activity runs, if it does.
     #[must_use]
@@ -190,5 +211,24 @@ impl Slot {
     #[must_use]
     pub const fn length(self) -> Span {
         self.end.since(self.start)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn line(steps: bool) -> Line {
+        let point = |at, value| (Time::new(at), value);
+        let points = vec![point(10, 100), point(20, 0), point(20, 50), point(30, 53)];
+        Line { name: "charge".into(), unit: "uJ".into(), steps, points }
+    }
+
+    #[test]
+    fn a_value_is_that_of_the_straight_line_or_of_the_last_step() {
+        let values = |steps| [0, 10, 15, 20, 25, 30, 99].map(|at| line(steps).at(Time::new(at)));
+        assert_eq!(values(false), [100, 100, 50, 50, 51, 53, 53].map(Some));
+        assert_eq!(values(true), [100, 100, 100, 50, 50, 53, 53].map(Some));
+        assert_eq!(Line { points: Vec::new(), ..line(true) }.at(Time::ZERO), None);
     }
 }

@@ -90,9 +90,12 @@ pub(crate) struct ConvertArgs {
 }
 
 #[derive(Debug, Args)]
+#[command(after_help = RUN_HELP)]
 pub(crate) struct RunArgs {
     #[command(flatten)]
     pub(crate) files: FilesArgs,
+    #[command(flatten)]
+    pub(crate) planned: PlannedArgs,
     /// Where the journal is kept. With one, the schedule goes on where an
     /// earlier run ended, however that was; without, nothing outlives it.
     #[arg(long, value_name = "DIR")]
@@ -117,6 +120,36 @@ pub(crate) struct RunArgs {
     /// How changes are printed: lines, or a JSON document on each.
     #[arg(long, value_enum, default_value_t)]
     pub(crate) format: Format,
+}
+
+const RUN_HELP: &str = "\
+With --plan, FILE is the mission alone: each of its tasks is a sequence that
+activities name, and none is run by itself. The onboard planner makes a timed
+plan of the state, whose present instant is the run's begin; its activities,
+awake time, heating and communication windows become tasks, and it plans again
+when the world differs.
+
+Examples:
+  faregate run schedule.toml --journal kept --socket faregate.sock
+  faregate run rover.toml --plan sol.xml -p parameters.xml -s state.xml --virtual";
+
+/// A plan that is executed.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Executing a plan")]
+pub(crate) struct PlannedArgs {
+    /// Has the onboard planner turn this plan into the schedule, again and again.
+    #[arg(long, value_name = "PLAN", requires_all = ["parameters", "state"])]
+    #[arg(conflicts_with_all = ["journal", "mission"])]
+    pub(crate) plan: Option<PathBuf>,
+    /// What only the ground changes: limits, powers, preheat tables.
+    #[arg(long, short, value_name = "FILE", requires = "plan")]
+    pub(crate) parameters: Option<PathBuf>,
+    /// What is so at the begin: charge, mode, communication windows.
+    #[arg(long, short, value_name = "FILE", requires = "plan")]
+    pub(crate) state: Option<PathBuf>,
+    /// The plan that takes over at handover.
+    #[arg(long, value_name = "PLAN", requires = "plan")]
+    pub(crate) next: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]

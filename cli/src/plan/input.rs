@@ -13,16 +13,16 @@ use crate::schedule::Source;
 
 /// What a timed plan is made from.
 #[derive(Debug)]
-pub(super) struct Inputs {
-    pub(super) plan: Plan,
-    pub(super) parameters: Parameters,
-    pub(super) state: State,
+pub(crate) struct Inputs {
+    pub(crate) plan: Plan,
+    pub(crate) parameters: Parameters,
+    pub(crate) state: State,
 }
 
 /// Reads the three files. Everything that is wrong is told, what they do not
 /// agree on included; where the parameters cannot be read, the others are not
 /// judged, since their names would mean nothing.
-pub(super) fn read(plan: &Path, parameters: &Path, state: &Path) -> Result<Inputs, Failure> {
+pub(crate) fn read(plan: &Path, parameters: &Path, state: &Path) -> Result<Inputs, Failure> {
     let parameters = files::read(parameters, Exit::Failed, file::parameters)?;
     let (plan_source, state_source) = (Source::open(plan)?, Source::open(state)?);
     let plan = told(&plan_source, |name, bytes| file::plan(name, bytes, Some(&parameters)));

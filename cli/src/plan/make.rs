@@ -9,7 +9,6 @@ use std::path::Path;
 use faregate_checker::Effort;
 use faregate_planner::picture::{self, Scene};
 use faregate_planner::plan::Kind;
-use faregate_planner::problem::Unfit;
 use faregate_planner::timed::{Fate, Projection, Reason, Row};
 use faregate_planner::words::Words;
 use faregate_planner::{
@@ -19,6 +18,7 @@ use faregate_planner::{
 use crate::args::{PlanMakeArgs, TableFormat};
 use crate::exit::{Exit, Failure};
 use crate::plan::input::{self, Inputs};
+use crate::plan::unfit_for;
 use crate::plan::make::search::{Explanations, Found, Search};
 use crate::{disk, out};
 
@@ -72,11 +72,6 @@ pub(super) fn make(args: &PlanMakeArgs) -> Result<Exit, Failure> {
     }
     written?;
     Ok(made.exit())
-}
-
-fn unfit_for(unfit: &[Unfit]) -> Failure {
-    let all: Vec<String> = unfit.iter().map(ToString::to_string).collect();
-    Failure::failed(format!("nothing can be planned: {}", all.join("; ")))
 }
 
 fn violations(

@@ -7,11 +7,12 @@ use faregate_scheduler::format::{self, Diagnostic, Rule};
 
 use crate::exit::Failure;
 use crate::schedule::Source;
+use crate::simulation;
 
 /// Everything that the parameters or a plan and the mission in this file say
 /// differently, and what is wrong with the file itself. Sequences of the plan are
 /// the file's tasks.
-pub(super) fn fits<'p>(
+pub(crate) fn fits<'p>(
     parameters: Option<&Parameters>,
     plans: impl Iterator<Item = &'p Plan>,
     file: &Source,
@@ -24,10 +25,11 @@ pub(super) fn fits<'p>(
         Ok(loaded) => loaded,
         Err(found) => return Ok(found),
     };
-    let Some(mission) = loaded.mission else {
+    let Some(mut mission) = loaded.mission else {
         let why = format!("{} has no mission: give it a table [mission]", file.name);
         return Err(Failure::failed(why));
     };
+    simulation::complete(&mut mission);
     let mut differ = mission_fits(parameters, &mission);
     for plan in plans {
         let library = Library::read(&file.name, &file.bytes);

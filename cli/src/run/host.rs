@@ -8,14 +8,17 @@ use faregate_client::Refused;
 use faregate_scheduler::bodies::{Settings, Swept};
 use faregate_scheduler::control::Links;
 use faregate_scheduler::executive::Waker;
-use faregate_scheduler::manager::Note;
+use faregate_scheduler::Manager;
+use faregate_scheduler::manager::{Note, Reply, Telecommand};
 use faregate_scheduler::onboard::{self, Kept, NotOnboard, Onboard};
 use faregate_scheduler::task::{Outcome, Task};
 use faregate_scheduler::tickets::Tickets;
+use faregate_scheduler::time::Instant;
 use faregate_tickets::amount::Milliwatts;
 
 use super::descriptors;
 use super::outside::Ground;
+use super::planned::{Planned, Prepared};
 use super::teller::{Teller, harmless};
 use crate::args::RunArgs;
 use crate::exit::{Exit, Failure};
@@ -24,7 +27,12 @@ use crate::simulation::{self, Craft, Loads};
 
 /// Runs the schedule until it is over, its time has passed, or somebody stops
 /// it.
-pub(crate) fn run(args: &RunArgs, schedule: Schedule, teller: Teller) -> Result<Teller, Failure> {
+pub(crate) fn run(
+    args: &RunArgs,
+    schedule: Schedule,
+    plan: Option<Prepared>,
+    teller: Teller,
+) -> Result<Teller, Failure> {
     let Schedule { tasks, mission, loader, .. } = schedule;
     let craft = Craft::new(&mission, args.seed)?;
     let open_files = descriptors::raise();
@@ -56,11 +64,13 @@ pub(crate) fn run(args: &RunArgs, schedule: Schedule, teller: Teller) -> Result<
     }
     if goes_on {
         go_on(&mut executive);
-    } else {
+    } else if plan.is_none() {
         executive.load(tasks)?;
     }
-    drive(&mut executive, args.socket.is_some())?;
-    end(executive)
+    let now = executive.now().wall;
+    let mut planned = plan.map(|plan| plan.begin(now));
+    drive(&mut executive, planned.as_mut(), args.socket.is_some())?;
+    end(executive, planned)
 }
 
 /// Of the tasks of the journal nobody tells that they were accepted.
@@ -79,25 +89,61 @@ fn ended(Swept { pid, task, command }: &Swept) -> String {
 }
 
 /// Takes turns until all is over. Who listens is told when that is.
-fn drive(executive: &mut Onboard<Ground>, listens: bool) -> Result<(), Failure> {
+fn drive(
+    executive: &mut Onboard<Ground>,
+    mut planned: Option<&mut Planned>,
+    listens: bool,
+) -> Result<(), Failure> {
     let mut loads = Loads::default();
     loop {
         // The first turn may have been taken by the load.
-        look(executive, &mut loads);
+        look(executive, &mut loads, planned.as_deref_mut());
+        if let Some(planned) = planned.as_deref_mut()
+            && direct(executive, planned)?
+        {
+            continue;
+        }
         // Asked after each turn: something may be due all the time.
         let stopping = executive.outside().stopping;
         if executive.manager().is_over() && (stopping || !listens) {
             return Ok(());
         }
-        if !executive.turn().map_err(cannot_go_on)? {
-            executive.wait().map_err(cannot_go_on)?;
-        }
+        let due = planned.as_deref().and_then(|planned| planned.due(executive.now()));
+        let mut turns = 0;
+        // A turn, and where there was nothing to do a wait and another one.
+        let went_on = |_: &Manager, _| std::mem::replace(&mut turns, 1) == 1;
+        executive.run_until(due.unwrap_or(Instant::FAR_FUTURE), went_on).map_err(cannot_go_on)?;
     }
 }
 
+/// Gives the planner's orders to the manager; whether there were any. Who is
+/// told to stop takes none.
+fn direct(executive: &mut Onboard<Ground>, planned: &mut Planned) -> Result<bool, Failure> {
+    if executive.outside().stopping {
+        return Ok(false);
+    }
+    let now = executive.now();
+    let Ground { gauge, teller, .. } = executive.outside();
+    let orders = planned.orders(now, *gauge, teller);
+    let orders = orders.map_err(|why| Failure::failed(why.to_string()))?;
+    let is_removal = |order: &Telecommand| matches!(order, Telecommand::Remove(_));
+    let removals: Vec<_> = orders.iter().map(is_removal).collect();
+    let replies = executive.commands(orders).map_err(cannot_go_on)?;
+    for (reply, may_be_refused) in replies.into_iter().zip(&removals) {
+        // What is over by now need not be removed.
+        if let Reply::Refused(why) = reply
+            && !may_be_refused
+        {
+            executive.outside().teller.planner(now, &format!("the manager refused an order: {why}"));
+        }
+    }
+    Ok(!removals.is_empty())
+}
+
 /// What follows from the last changes, beside that they were told.
-fn look(executive: &mut Onboard<Ground>, loads: &mut Loads) {
-    for note in std::mem::take(&mut executive.outside().changes) {
+fn look(executive: &mut Onboard<Ground>, loads: &mut Loads, mut planned: Option<&mut Planned>) {
+    for (at, note) in std::mem::take(&mut executive.outside().changes) {
+        planned.iter_mut().for_each(|planned| planned.hear(at, &note));
         count(executive, &note);
         let draw = loads.follow(&note, |attempt| {
             let task = executive.manager().task(attempt.occurrence.task);
@@ -128,9 +174,12 @@ fn count(executive: &mut Onboard<Ground>, note: &Note) {
 
 /// Closes the journal in order, and says what the spacecraft has to say: that
 /// may wait for whoever reads it.
-fn end(executive: Onboard<Ground>) -> Result<Teller, Failure> {
+fn end(executive: Onboard<Ground>, planned: Option<Planned>) -> Result<Teller, Failure> {
     let (_bodies, _tickets, kept, ground) = executive.into_ports();
     let Ground { mut teller, craft, .. } = ground;
+    if let Some(planned) = planned {
+        teller.executed(planned.result(), planned.wanting());
+    }
     if let Kept::Journal(journal) = kept {
         journal.close().map_err(|error| Failure::failed(error.to_string()))?;
     }

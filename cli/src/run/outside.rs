@@ -34,14 +34,15 @@ pub(crate) struct Ground {
     pub(crate) teller: Teller,
     pub(crate) craft: Craft,
     /// Changes that have not been looked at beyond being told.
-    pub(crate) changes: Vec<Note>,
+    pub(crate) changes: Vec<(Now, Note)>,
     /// Whether the manager was told to stop.
     pub(crate) stopping: bool,
     clock: HostClock,
     ends: Option<Instant>,
     timers: Timers,
     signals: UnixStream,
-    gauge: Option<u8>,
+    /// What the battery's gauge shows.
+    pub(crate) gauge: Option<u8>,
 }
 
 impl Ground {
@@ -101,7 +102,7 @@ impl Outside for Ground {
     fn note(&mut self, now: Now, note: &Note) {
         self.teller.tell(now, note);
         self.links.note(now, note);
-        self.changes.push(note.clone());
+        self.changes.push((now, note.clone()));
     }
 
     fn answer(&mut self, now: Now, id: TelecommandId, reply: Reply) {

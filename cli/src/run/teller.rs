@@ -2,6 +2,7 @@
 //! at its end.
 
 use faregate_scheduler::manager::Note;
+use faregate_scheduler::task::Task;
 use faregate_scheduler::time::Now;
 use serde::Serialize;
 use serde_json::json;
@@ -20,6 +21,9 @@ pub(crate) struct Teller {
     changes: Changes,
     /// What has become of the tasks: for whoever tells changes to count them.
     pub(crate) tally: Tally,
+    /// What came of a plan, and what is wanting: a plan's tasks are not what is
+    /// counted then.
+    plan: Option<(String, Option<String>)>,
     loading: bool,
     /// Writes the lines; none: they are written at once.
     display: Option<Display>,
@@ -36,7 +40,7 @@ struct Change<'a> {
 impl Teller {
     pub(crate) fn new(format: Format) -> Self {
         let (changes, tally) = (Changes::default(), Tally::default());
-        Self { format, changes, tally, loading: true, display: None }
+        Self { format, changes, tally, plan: None, loading: true, display: None }
     }
 
     /// From now on nobody who tells something waits for a reader.
@@ -73,6 +77,42 @@ impl Teller {
             Format::Text => self.changes.told(at_us, note),
         };
         line.into_iter().for_each(|line| self.put(line));
+    }
+
+    /// A plan was executed, and this came of it; and what the mission needed and
+    /// did not get.
+    pub(crate) fn executed(&mut self, result: String, wanting: Option<String>) {
+        self.plan = Some((result, wanting));
+    }
+
+    /// What came of the run.
+    pub(crate) fn result(&self) -> String {
+        match &self.plan {
+            Some((result, _)) => result.clone(),
+            None => self.tally.to_string(),
+        }
+    }
+
+    /// What went wrong of what the mission needs.
+    pub(crate) fn wanting(&self) -> Option<String> {
+        match &self.plan {
+            Some((_, wanting)) => wanting.clone(),
+            None => self.tally.wanting(),
+        }
+    }
+
+    /// Tells that the planner has planned, or cannot.
+    pub(crate) fn planner(&mut self, now: Now, what: &str) {
+        let at_us = now.elapsed.as_micros();
+        self.put(match self.format {
+            Format::Json => json!({ "at_us": at_us, "planned": what }).to_string(),
+            Format::Text => changes::said(at_us, "planned", what),
+        });
+    }
+
+    /// The task's name is told with its number from now on.
+    pub(crate) fn call(&mut self, task: &Task) {
+        self.changes.call(task.id, task.name.as_deref());
     }
 
     /// Who has gone need not be told.

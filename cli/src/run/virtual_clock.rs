@@ -2,7 +2,7 @@
 
 use std::time::{Duration as StdDuration, Instant as StdInstant};
 
-use faregate_scheduler::executive::{LoadedFile, Outside, VirtualBodies, VirtualExecutive};
+use faregate_scheduler::executive::{LoadedFile, Outside, Stuck, VirtualBodies, VirtualExecutive};
 use faregate_scheduler::manager::{
     Addition, Attempt, Event, Note, Reply, Telecommand, TelecommandId,
 };
@@ -64,8 +64,7 @@ pub(crate) fn run(
     let telecommand = Telecommand::Add(additions);
     executive.tell(Event::Telecommand { id: TelecommandId(0), telecommand });
     let began = StdInstant::now();
-    let stuck = |stuck: faregate_scheduler::executive::Stuck| Failure::failed(stuck.to_string());
-    executive.advance_to(Instant::START).map_err(stuck)?;
+    executive.advance_to(Instant::START).map_err(|why| stuck(&why))?;
     if let Some(why) = executive.outside().refused.take() {
         return Err(Failure::failed(format!("the schedule is not accepted: {why}")));
     }
@@ -79,7 +78,7 @@ pub(crate) fn run(
             break;
         }
         wait(pace, began, due);
-        executive.advance_to(due).map_err(stuck)?;
+        executive.advance_to(due).map_err(|why| stuck(&why))?;
     }
     if let Some(end) = end.filter(|_| !executive.manager().is_over()) {
         wait(pace, began, end);
@@ -87,9 +86,14 @@ pub(crate) fn run(
     Ok(executive.into_outside().teller)
 }
 
+/// The virtual clock does not go on.
+pub(super) fn stuck(stuck: &Stuck) -> Failure {
+    Failure::failed(stuck.to_string())
+}
+
 /// Waits until the virtual instant has come.
 #[expect(clippy::disallowed_methods, reason = "the virtual clock is to be seen in real time")]
-fn wait(pace: Pace, began: StdInstant, instant: Instant) {
+pub(super) fn wait(pace: Pace, began: StdInstant, instant: Instant) {
     let Pace::Times(times) = pace else { return };
     std::thread::sleep(real(instant, times).saturating_sub(began.elapsed()));
 }

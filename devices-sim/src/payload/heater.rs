@@ -21,6 +21,8 @@ pub(crate) struct Heater {
 impl Heater {
     pub(crate) fn read(settings: &mut Settings<'_>) -> (Self, Milliwatts) {
         let draw = settings.watts("draw_w", DRAW);
+        // What it warms is for whoever plans with it.
+        settings.name("zone");
         (Self { switch: Switch::OPEN, draw }, draw)
     }
 }

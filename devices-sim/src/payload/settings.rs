@@ -48,6 +48,11 @@ impl<'a> Settings<'a> {
         number
     }
 
+    /// A name that means nothing to the unit itself: any will do.
+    pub(crate) fn name(&mut self, name: &'static str) {
+        let _ = self.text(name);
+    }
+
     /// Spans in seconds: `0..600, 5800..6400`.
     pub(crate) fn spans(&mut self, name: &'static str) -> Option<Vec<(Duration, Duration)>> {
         let text = self.text(name)?;

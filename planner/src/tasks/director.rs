@@ -33,6 +33,7 @@ mod keep;
 
 use core::fmt;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use faregate_scheduler::manager::Telecommand;
 use faregate_scheduler::task::{Task, TaskId};
@@ -40,7 +41,7 @@ use faregate_tickets::amount::Microjoules;
 
 use super::generated::Numbers;
 use super::{Misfit, Setting};
-use crate::Problem;
+use crate::{Plan, Problem};
 use crate::plan::{Activity, ActivityId};
 use crate::problem::Unfit;
 use crate::schedule::schedule;
@@ -217,6 +218,13 @@ impl Director {
     #[must_use]
     pub const fn state(&self) -> &State {
         &self.state
+    }
+
+    /// The plan that is executed; after a handover the next one, with what runs
+    /// of the one before.
+    #[must_use]
+    pub const fn plan(&self) -> &Arc<Plan> {
+        &self.setting.plan
     }
 
     /// The timed plan that is executed.

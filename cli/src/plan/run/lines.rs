@@ -8,6 +8,7 @@ use faregate_planner::words::{Words, bytes, energy as energy_of, power};
 use faregate_planner::{ActivityId, Parameters, Plan};
 
 use crate::out::{self, BAD, FAINT, GOOD, ODD};
+use crate::plan::why;
 
 /// Says what happened with the names of a plan.
 pub(super) struct Lines<'a> {
@@ -94,26 +95,8 @@ impl<'a> Lines<'a> {
     }
 
     fn whys(&self, whys: &[Why]) -> String {
-        let all: Vec<_> = whys.iter().map(|why| self.why(*why)).collect();
+        let all: Vec<_> = whys.iter().map(|one| why(&self.words, *one)).collect();
         all.join(", ")
-    }
-
-    fn why(&self, why: Why) -> String {
-        let name = |id| self.words.activity(id);
-        match why {
-            Why::First => "for the first time".to_owned(),
-            Why::Periodic => "it is time".to_owned(),
-            Why::EndedEarly(id) => format!("{} ended early", name(id)),
-            Why::Outcome(id) => format!("{} did not succeed", name(id)),
-            Why::Overran(id) => format!("{} takes longer", name(id)),
-            Why::StartedEarly(id) => format!("{} started early", name(id)),
-            Why::Late(id) => format!("{} is late", name(id)),
-            Why::NotStarted(id) => format!("{} will not start", name(id)),
-            Why::ZoneCold => "a zone is not warm".to_owned(),
-            Why::Windows => "the windows changed".to_owned(),
-            Why::Tickets(id) => format!("tickets of {}", name(id)),
-            Why::HandOver => "handed over".to_owned(),
-        }
     }
 }
 
