@@ -11,7 +11,8 @@ pub(crate) use live::{
     ToAllArgs, WatchArgs,
 };
 pub(crate) use offline::{
-    AnalyzeArgs, CheckArgs, CompletionsArgs, ConflictColumn, ConvertArgs, FilesArgs, PlannedArgs, RunArgs,
+    AnalyzeArgs, CheckArgs, CompletionsArgs, ConflictColumn, ConvertArgs, FilesArgs, PlannedArgs,
+    RunArgs,
 };
 pub(crate) use plan::{
     PlanAction, PlanCheckArgs, PlanConvertArgs, PlanDiffArgs, PlanMakeArgs, PlanNewArgs,

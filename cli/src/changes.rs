@@ -171,7 +171,12 @@ fn word(outcome: Outcome) -> &'static str {
 
 /// What success looks like needs no words.
 fn how(exit: &Exit) -> String {
-    if *exit == Exit::Code(0) { String::new() } else { exit.to_string() }
+    match exit {
+        Exit::Code(0) => String::new(),
+        // That it failed stands in front of it.
+        Exit::Failed(why) => why.clone(),
+        _ => exit.to_string(),
+    }
 }
 
 #[cfg(test)]

@@ -57,7 +57,7 @@ pub(crate) struct AnalyzeArgs {
     #[arg(long)]
     pub(crate) serial: bool,
     /// So many runs with durations drawn at random, where tasks state a spread.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(crate) samples: Option<u32>,
     /// What the durations are drawn from.
     #[arg(long, value_name = "S", default_value_t = 0)]

@@ -18,8 +18,8 @@ use faregate_planner::{
 use crate::args::{PlanMakeArgs, TableFormat};
 use crate::exit::{Exit, Failure};
 use crate::plan::input::{self, Inputs};
-use crate::plan::unfit_for;
 use crate::plan::make::search::{Explanations, Found, Search};
+use crate::plan::unfit_for;
 use crate::{disk, out};
 
 /// Some mandatory activities are left out. The words were right all the same:

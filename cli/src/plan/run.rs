@@ -123,7 +123,7 @@ fn run_once(args: &PlanRunArgs, setup: &Setup) -> Result<Exit, Failure> {
 
 /// Executes it; a line for each change, or else progress where it takes long.
 fn watched(args: &PlanRunArgs, setup: &Setup) -> Result<Trace, Failure> {
-    let mut lines = Lines::new(&setup.plan, &setup.parameters);
+    let mut lines = Lines::new(setup);
     let mut gone = None;
     let mut bar = Progress::new(setup);
     let trace = rehearse_watched(setup, &mut plan, &mut |entry| {

@@ -2,13 +2,14 @@
 
 use std::fs;
 use std::io;
+use std::path::Path;
 use std::sync::Arc;
 
 use faregate_client::Refused;
+use faregate_scheduler::Manager;
 use faregate_scheduler::bodies::{Settings, Swept};
 use faregate_scheduler::control::Links;
 use faregate_scheduler::executive::Waker;
-use faregate_scheduler::Manager;
 use faregate_scheduler::manager::{Note, Reply, Telecommand};
 use faregate_scheduler::onboard::{self, Kept, NotOnboard, Onboard};
 use faregate_scheduler::task::{Outcome, Task};
@@ -43,10 +44,7 @@ pub(crate) fn run(
     }
     builder = builder.reading(Arc::new(move |name: &str, text: &str| read(&loader, name, text)));
     if let Some(directory) = &args.journal {
-        fs::create_dir_all(directory).map_err(|error| {
-            let path = directory.display();
-            Failure::failed(format!("the journal cannot be kept in {path}: {error}"))
-        })?;
+        fs::create_dir_all(directory).map_err(|error| no_journal(directory, &error))?;
         builder = builder.journal(directory)?;
     }
     if let Some(path) = &args.socket {
@@ -73,11 +71,19 @@ pub(crate) fn run(
     end(executive, planned)
 }
 
+fn no_journal(directory: &Path, error: &io::Error) -> Failure {
+    let path = directory.display();
+    Failure::failed(match directory.is_dir() || !directory.exists() {
+        true => format!("the journal cannot be kept in {path}: {error}"),
+        false => format!("the journal cannot be kept in {path}: it is no directory"),
+    })
+}
+
 /// Of the tasks of the journal nobody tells that they were accepted.
 fn go_on(executive: &mut Onboard<Ground>) {
     let tasks: Vec<Task> = executive.manager().tasks().cloned().collect();
     let teller = &mut executive.outside().teller;
-    teller.say("Going on where the journal ends.");
+    teller.say("Going on where the journal ends: its tasks count, and not those of the files.");
     tasks.iter().for_each(|task| teller.tally.learn(task));
 }
 
@@ -134,7 +140,10 @@ fn direct(executive: &mut Onboard<Ground>, planned: &mut Planned) -> Result<bool
         if let Reply::Refused(why) = reply
             && !may_be_refused
         {
-            executive.outside().teller.planner(now, &format!("the manager refused an order: {why}"));
+            executive
+                .outside()
+                .teller
+                .planner(now, &format!("the manager refused an order: {why}"));
         }
     }
     Ok(!removals.is_empty())

@@ -142,8 +142,17 @@ impl Planned {
     pub(crate) fn result(&self) -> String {
         let ended = &self.director.state().ended;
         let count = |outcome| ended.iter().filter(|one| one.outcome == outcome).count();
-        let never = self.director.plan().activities.iter().filter(|one| self.outcome(one).is_none()).count();
-        let new = self.plans.saturating_sub(1);
+        let never = self
+            .director
+            .plan()
+            .activities
+            .iter()
+            .filter(|one| self.outcome(one).is_none())
+            .count();
+        let new = match self.plans.saturating_sub(1) {
+            1 => "1 new plan".to_owned(),
+            new => format!("{new} new plans"),
+        };
         let counts = [
             (count(Outcome::Succeeded), "succeeded"),
             (count(Outcome::Failed), "failed"),
@@ -151,7 +160,7 @@ impl Planned {
             (never + count(Outcome::NotStarted), "not started"),
         ];
         let told: Vec<_> = counts.iter().map(|(count, word)| format!("{count} {word}")).collect();
-        format!("activities: {}; {new} times planned anew", told.join(", "))
+        format!("activities: {}; {new}", told.join(", "))
     }
 
     /// Mandatory activities that did not succeed, with what became of them. A
@@ -186,9 +195,9 @@ impl Planned {
     }
 
     fn is_replaced(&self, one: &Activity) -> bool {
-        let members = self.director.plan().activities.iter().filter(|other| other.group == one.group);
+        let members =
+            self.director.plan().activities.iter().filter(|other| other.group == one.group);
         let mut started = members.filter_map(|other| self.outcome(other));
         one.group.is_some() && started.any(|outcome| outcome != Outcome::NotStarted)
     }
 }
-

@@ -3,7 +3,7 @@
 use std::io;
 
 use comfy_table::{Cell, CellAlignment, Table};
-use faregate_planner::timed::{Fate, Row};
+use faregate_planner::timed::{AwakePhase, Fate, Row};
 use faregate_planner::units::Time;
 use faregate_planner::words::{Words, span};
 
@@ -94,7 +94,9 @@ fn awake(made: &Made) -> io::Result<()> {
     let words = made.words();
     let phases = made.timed.awake.iter().map(|phase| {
         let long = span(phase.down.since(phase.up).get());
-        format!("{} to {}, up for {long}", words.time(phase.wakeup), words.time(phase.asleep))
+        let why = if is_idle(made, phase) { BATTERY_FULL } else { "" };
+        let (wakeup, asleep) = (words.time(phase.wakeup), words.time(phase.asleep));
+        format!("{wakeup} to {asleep}, up for {long}{why}")
     });
     listed("Awake", &phases.collect::<Vec<_>>())?;
     let heated = made.timed.preheats.iter().map(|preheat| {
@@ -102,6 +104,21 @@ fn awake(made: &Made) -> io::Result<()> {
         format!("{} from {} for {long}", preheat.zone, words.time(preheat.start))
     });
     listed("Heated", &heated.collect::<Vec<_>>())
+}
+
+/// Why the computer is up where nothing needs it.
+const BATTERY_FULL: &str = ": nothing to do, but the battery is at its maximum";
+
+/// Whether it wakes up for nothing but the battery's maximum.
+fn is_idle(made: &Made, phase: &AwakePhase) -> bool {
+    let meets = |from: Time, until: Time| from < phase.asleep && phase.wakeup < until;
+    let slots = made.timed.rows.iter().filter_map(|row| made.timed.slot(row.id));
+    let windows = made.state.windows.iter().filter(|window| window.awake);
+    let needs = slots.map(|slot| (slot.start, slot.end));
+    let needs = needs.chain(windows.map(|window| (window.start, window.end)));
+    let needs = needs.chain(made.timed.preheats.iter().map(|heat| (heat.start, heat.end)));
+    // What was begun before now may have had its reason then.
+    phase.wakeup > made.state.now && !needs.into_iter().any(|(from, until)| meets(from, until))
 }
 
 /// One line for each activity and each limit.

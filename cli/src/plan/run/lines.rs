@@ -2,10 +2,11 @@
 
 use anstyle::Style;
 use faregate_planner::plan::{Kind, Outcome};
-use faregate_planner::state::Mode;
+use faregate_planner::state::{Mode, Window};
 use faregate_planner::trace::{Cause, Entry, Happened, Unstarted, Why};
 use faregate_planner::words::{Words, bytes, energy as energy_of, power};
-use faregate_planner::{ActivityId, Parameters, Plan};
+use faregate_planner::{ActivityId, Plan};
+use faregate_rehearsal::Setup;
 
 use crate::out::{self, BAD, FAINT, GOOD, ODD};
 use crate::plan::why;
@@ -14,11 +15,13 @@ use crate::plan::why;
 pub(super) struct Lines<'a> {
     plan: &'a Plan,
     words: Words<'a>,
+    windows: &'a [Window],
 }
 
 impl<'a> Lines<'a> {
-    pub(super) const fn new(plan: &'a Plan, parameters: &'a Parameters) -> Self {
-        Self { plan, words: Words::new(plan, parameters) }
+    pub(super) fn new(setup: &'a Setup) -> Self {
+        let Setup { plan, parameters, state, .. } = setup;
+        Self { plan, words: Words::new(plan, parameters), windows: &state.windows }
     }
 
     /// What there is to say; nothing of what only checkers want to know.
@@ -68,7 +71,9 @@ impl<'a> Lines<'a> {
             }
             Happened::Mode(mode) => (plain, mode_name(*mode).to_owned()),
             Happened::Window { index, open } => {
-                (plain, format!("window {} {}", index + 1, if *open { "opens" } else { "closes" }))
+                let name = self.windows.get(*index).map_or("", |window| &window.name);
+                let what = if *open { "opens" } else { "closes" };
+                (plain, format!("window {} {what}: {name}", index + 1))
             }
             Happened::Variable { name, value: Some(value) } => {
                 (plain, format!("{name} is {value}"))

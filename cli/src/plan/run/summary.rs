@@ -83,11 +83,12 @@ pub(super) fn table(here: &Summary, there: Option<&Summary>) -> io::Result<()> {
 }
 
 fn said(won: &Won) -> String {
+    let activities = if won.activities.abs() == 1 { "activity" } else { "activities" };
     let earlier = if won.earlier_ms < 0 { "later" } else { "earlier" };
     let less = if won.awake_ms < 0 { "longer" } else { "shorter" };
     let less_drawn = if won.energy_uj < 0 { "more" } else { "less" };
     format!(
-        "against the plan as it stood: {:+} activities; {} {earlier} in sum; \
+        "against the plan as it stood: {:+} {activities}; {} {earlier} in sum; \
          computer up {} {less}; {} {less_drawn} drawn",
         won.activities,
         minutes(won.earlier_ms.abs()),
