@@ -24,7 +24,7 @@ use crate::picture::pen::{
 };
 use crate::picture::rows::{Row, rows};
 use crate::picture::scale::Scale;
-use crate::plan::Plan;
+use crate::plan::{Outcome, Plan};
 use crate::state::State;
 use crate::timed::{Fate, Projection, TimedPlan};
 use crate::trace::Trace;
@@ -121,13 +121,34 @@ impl Picture<'_> {
 
     fn about(&self) -> String {
         let words = Words::new(self.scene.plan, self.scene.parameters);
+        let (from, until) = (words.time(self.scale.from), words.time(self.scale.until));
+        let said = self.scene.trace.map_or_else(|| self.planned(), |trace| self.executed(trace));
+        format!("{from} to {until}; {said}")
+    }
+
+    fn planned(&self) -> String {
         let rows = &self.scene.timed.rows;
         let count = |what: fn(&Fate) -> bool| rows.iter().filter(|row| what(&row.fate)).count();
         let within = count(|fate| matches!(fate, Fate::Scheduled(_) | Fate::Running(_)));
         let out = count(|fate| matches!(fate, Fate::Out(_)));
-        let (from, until) = (words.time(self.scale.from), words.time(self.scale.until));
         let plural = if within == 1 { "activity" } else { "activities" };
-        format!("{from} to {until}; {within} {plural} scheduled, {out} left out")
+        format!("{within} {plural} scheduled, {out} left out")
+    }
+
+    /// What became of the plan's activities.
+    fn executed(&self, trace: &Trace) -> String {
+        let outcomes = self.scene.plan.activities.iter();
+        let outcomes: Vec<_> = outcomes.map(|one| happened::outcome(trace, one.id)).collect();
+        let count = |is: &[Option<Outcome>]| outcomes.iter().filter(|one| is.contains(one)).count();
+        let counts = [
+            (count(&[Some(Outcome::Succeeded)]), "succeeded"),
+            (count(&[Some(Outcome::Failed)]), "failed"),
+            (count(&[Some(Outcome::Aborted)]), "aborted"),
+            (count(&[None, Some(Outcome::NotStarted)]), "not started"),
+        ];
+        let told = counts.iter().filter(|(count, word)| *count > 0 || *word == "succeeded");
+        let told: Vec<_> = told.map(|(count, word)| format!("{count} {word}")).collect();
+        format!("executed: {}", told.join(", "))
     }
 
     /// Rows are lower where there are many.

@@ -83,6 +83,24 @@ pub(super) fn put(trace: &Trace, id: ActivityId, words: &Words<'_>, lane: &mut L
     lane.pauses = run.pauses;
 }
 
+/// When the ground's own shutdown was over, if it came to that: nobody starts it.
+pub(super) fn block_over(trace: &Trace, id: ActivityId) -> Option<Time> {
+    trace.entries.iter().find_map(|entry| match entry.what {
+        Happened::Ended { id: other, .. } if other == id => Some(entry.at),
+        _ => None,
+    })
+}
+
+/// What became of an activity, if it started or was given up.
+pub(super) fn outcome(trace: &Trace, id: ActivityId) -> Option<Outcome> {
+    trace.entries.iter().rev().find_map(|entry| match entry.what {
+        Happened::Ended { id: other, outcome, .. } if other == id => Some(outcome),
+        Happened::Aborted { id: other, .. } if other == id => Some(Outcome::Aborted),
+        Happened::NotStarted { id: other, .. } if other == id => Some(Outcome::NotStarted),
+        _ => None,
+    })
+}
+
 /// Why a timed plan leaves it out, if it does.
 pub(super) fn left_out(
     timed: &TimedPlan,

@@ -205,9 +205,17 @@ fn out(lane: &Lane, words: &str, at: Option<Time>, place: Place, scale: &Scale) 
     let words = shortened(words, scale.right - scale.left);
     let y = place.middle() + 3.7;
     let wide = length(&words) * 0.95;
-    if x + 10.0 + wide <= scale.right {
-        return group.add(haloed(x + 9.0, y, &words));
+    let begin = beyond(lane, (x + 9.0, wide), scale);
+    if begin + 1.0 + wide <= scale.right {
+        return group.add(haloed(begin, y, &words));
     }
     let end = (x - 9.0).max(scale.left + wide).min(scale.right);
     group.add(haloed(end, y, &words).set("text-anchor", "end"))
+}
+
+/// Where words begin that are not to lie on what was planned.
+fn beyond(lane: &Lane, (begin, wide): (f64, f64), scale: &Scale) -> f64 {
+    let planned = lane.planned.iter().filter_map(|(from, until)| scale.seen(*from, *until));
+    let hit = planned.filter(|(left, right)| *left < begin + wide && begin < *right);
+    hit.map(|(_, right)| right + 6.0).fold(begin, f64::max)
 }

@@ -1,13 +1,14 @@
 //! What somebody who looks at the picture must not overlook: mandatory
-//! activities that are left out, and limits that are broken.
+//! activities that are left out or did not succeed, and limits that are broken.
 
 use svg::node::element::Group;
 
-use crate::picture::Scene;
 use crate::picture::pen::{BAD, text};
 use crate::picture::rows::is_mandatory;
-use crate::plan::{Activity, Kind};
+use crate::picture::{Scene, happened};
+use crate::plan::{Activity, Kind, Outcome};
 use crate::timed::{Excess, Fate, Reason};
+use crate::trace::Trace;
 use crate::words::Words;
 
 /// More lines than these nobody reads.
@@ -15,12 +16,15 @@ const MOST: usize = 4;
 /// How high a line is.
 const LINE: f64 = 16.0;
 
-/// A line each. Of an execution there is none: what happened is in the rows.
+/// A line each. Of an execution it is what was not done: limits that are broken
+/// are the checker's to tell.
 pub(super) fn notices(scene: &Scene<'_>) -> Vec<String> {
-    if scene.trace.is_some() {
-        return Vec::new();
-    }
     let words = Words::new(scene.plan, scene.parameters);
+    if let Some(trace) = scene.trace {
+        let names: Vec<_> = undone(scene, trace).map(|one| words.activity(one.id)).collect();
+        let said = format!("mandatory and not done: {}", names.join(", "));
+        return if names.is_empty() { Vec::new() } else { vec![said] };
+    }
     let missed: Vec<_> = missed(scene).map(|activity| words.activity(activity.id)).collect();
     let mut all = Vec::new();
     if !missed.is_empty() {
@@ -56,6 +60,26 @@ fn missed<'a>(scene: &Scene<'a>) -> impl Iterator<Item = &'a Activity> {
         _ => false,
     });
     missed.map(|(activity, _)| activity)
+}
+
+/// Mandatory, and it did not succeed, nor did another one of its group start.
+fn undone<'a>(scene: &Scene<'a>, trace: &'a Trace) -> impl Iterator<Item = &'a Activity> {
+    let Scene { plan, parameters, .. } = *scene;
+    let outcome = |activity: &Activity| happened::outcome(trace, activity.id);
+    let replaced = move |one: &Activity| {
+        let mut others = plan.activities.iter().filter(|other| other.group == one.group);
+        one.group.is_some()
+            && others.any(|other| outcome(other).is_some_and(|how| how != Outcome::NotStarted))
+    };
+    let mandatory = plan
+        .activities
+        .iter()
+        .filter(|one| one.kind != Kind::Cleanup && is_mandatory(parameters, one));
+    mandatory.filter(move |one| match outcome(one) {
+        Some(Outcome::Succeeded) => false,
+        None | Some(Outcome::NotStarted) => !replaced(one),
+        Some(_) => true,
+    })
 }
 
 pub(super) fn height(notices: &[String]) -> f64 {

@@ -4,8 +4,9 @@ use crate::parameters::Parameters;
 use crate::picture::Scene;
 use crate::picture::happened::{self, heated_for, left_out};
 use crate::picture::lane::{Bar, Ending, Lane, Stretch};
-use crate::plan::{Activity, ActivityId};
+use crate::plan::{Activity, ActivityId, Kind};
 use crate::timed::{Fate, Row as Line, Slot};
+use crate::trace::Trace;
 use crate::units::Time;
 use crate::words::{Words, span};
 
@@ -84,6 +85,7 @@ fn lane(scene: &Scene<'_>, activity: &Activity, row: &Line) -> Lane {
     if let Some(trace) = scene.trace {
         lane.planned = scene.timed.slot(activity.id).map(ends).into_iter().collect();
         happened::put(trace, activity.id, &words, &mut lane);
+        lane.bars.extend(block(trace, activity, &words));
         let start = lane.bars.first().map(|bar| bar.span.0);
         lane.preheats =
             start.map_or_else(Vec::new, |start| heated_for(trace, &activity.zones, start));
@@ -98,6 +100,18 @@ fn lane(scene: &Scene<'_>, activity: &Activity, row: &Line) -> Lane {
         Fate::Out(_) => lane.out = left_out(scene.timed, activity.id, &words),
     }
     lane
+}
+
+/// The ground's own shutdown, if it was.
+fn block(trace: &Trace, activity: &Activity, words: &Words<'_>) -> Option<Bar> {
+    matches!(activity.kind, Kind::ManualShutdown { .. }).then_some(())?;
+    let until = happened::block_over(trace, activity.id)?;
+    let from = until.before(activity.duration);
+    let tip = format!("{}: {} to {}", label(activity), words.time(from), words.time(until));
+    let (span, ending) = ((from, until), Ending::Quiet);
+    let words = String::new();
+    let mandatory = true;
+    Some(Bar { span, minimum: None, mandatory, ending, early: false, words, tip })
 }
 
 fn ends(slot: Slot) -> Stretch {

@@ -1,6 +1,7 @@
 //! The picture of a timed plan shows each activity, why it is left out, and the
 //! timelines with their limits.
 
+mod executed;
 mod seen_first;
 
 use std::collections::BTreeMap;
