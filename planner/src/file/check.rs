@@ -16,12 +16,21 @@ pub(super) use together::together;
 
 use faregate_scheduler::format::reading::{Report, Wrong};
 use faregate_scheduler::format::{Diagnostic, Rule};
+use faregate_tickets::amount::Milliwatts;
 
+use crate::file::show;
 use crate::file::xml::Element;
 
 /// Whether no error was told since so many things were found.
 fn clean(report: &Report<'_>, before: usize) -> bool {
     !report.found.iter().skip(before).any(Diagnostic::is_error)
+}
+
+/// That more is drawn on average than at most.
+const PEAK_BELOW: &str = "its peak is below its average power: the limit of peaks does not see it";
+
+fn raise(marginal: Milliwatts) -> String {
+    format!("give it a peak of {} or more", show::power(marginal))
 }
 
 /// What is told about one element.

@@ -3,14 +3,15 @@
 
 use core::ops::Range;
 
-use faregate_scheduler::format::Rule;
 use faregate_scheduler::format::reading::{Report, Wrong, nearest, shown};
+use faregate_scheduler::format::{Diagnostic, Rule};
 
 use crate::file::names::Names;
 use crate::file::schema::Known;
 use crate::file::times;
+use crate::file::value;
 use crate::file::xml::Element;
-use crate::units::Time;
+use crate::units::{Span, Time};
 
 /// An element, what is known of it, and where mistakes are told.
 pub(crate) struct Fields<'e, 'r, 's, 'p> {
@@ -55,7 +56,7 @@ impl<'e, 'r, 's, 'p> Fields<'e, 'r, 's, 'p> {
 
     /// Whether nothing is wrong so far.
     pub(crate) fn good(&self) -> bool {
-        self.report.found.len() == self.before
+        !self.report.found.iter().skip(self.before).any(Diagnostic::is_error)
     }
 
     pub(crate) fn has(&self, name: &str) -> bool {
@@ -98,6 +99,27 @@ impl<'e, 'r, 's, 'p> Fields<'e, 'r, 's, 'p> {
             self.error(self.element.at.clone(), name, wrong);
         }
         self.read(name, read).unwrap_or(stand_in)
+    }
+
+    /// A span that must be there. One without a unit is in seconds, and it is
+    /// said that it was read so: minutes may have been meant.
+    pub(crate) fn span(&mut self, name: &'static str) -> Span {
+        let span = self.need(name, Span::ZERO, value::span);
+        let bare = self.element.attribute(name).filter(|one| value::has_no_unit(&one.value));
+        if let Some(one) = bare
+            && span > Span::ZERO
+        {
+            let text = one.value.trim();
+            let wrong =
+                Wrong::new(Rule::Assumed, format!("{text} without a unit is read as seconds"));
+            let field = self.field(name);
+            self.report.warn(
+                one.value_at.clone(),
+                &field,
+                wrong.help(format!("write \"{text} s\", or min or h if that is what is meant")),
+            );
+        }
+        span
     }
 
     /// An instant that must be there.

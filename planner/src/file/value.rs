@@ -164,11 +164,16 @@ fn unsigned(text: &str, of: &Quantity) -> Result<u64, Wrong> {
 
 /// A length of time. A bare number is seconds.
 pub(crate) fn span(text: &str) -> Result<Span, Wrong> {
-    let ms = match text.trim().bytes().all(|one| one.is_ascii_digit() || one == b'.') {
+    let ms = match has_no_unit(text) {
         true => unsigned(&format!("{text} s"), &SPAN)?,
         false => unsigned(text, &SPAN)?,
     };
     Ok(Span::new(i64::try_from(ms).unwrap_or(i64::MAX)))
+}
+
+/// Whether it is a number alone.
+pub(crate) fn has_no_unit(text: &str) -> bool {
+    text.trim().bytes().all(|one| one.is_ascii_digit() || one == b'.')
 }
 
 pub(crate) fn power(text: &str) -> Result<Milliwatts, Wrong> {

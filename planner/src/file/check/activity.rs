@@ -3,7 +3,7 @@
 use faregate_scheduler::format::Rule;
 use faregate_tickets::amount::Microjoules;
 
-use crate::file::check::About;
+use crate::file::check::{About, PEAK_BELOW, raise};
 use crate::file::names::Names;
 use crate::file::show;
 use crate::parameters::{Parameters, TimelineKind};
@@ -22,6 +22,7 @@ pub(super) fn activity(
         within(activity, plan, about);
     }
     energy(activity, about);
+    peak(activity, about);
     kind(activity, about);
     timelines(activity, names, about);
     if let Some(parameters) = names.parameters {
@@ -88,9 +89,20 @@ fn energy(activity: &Activity, about: &mut About<'_, '_, '_>) {
     let difference = (i128::from(energy.get()) - product).abs();
     if difference * 100 > product {
         let message = "its energy is not its average power times its duration";
-        let product = Microjoules::new(u64::try_from(product).unwrap_or(u64::MAX));
-        let expected = format!("{}, within 1 %", show::energy(product));
+        let product = u64::try_from(product).map(Microjoules::new);
+        let expected = match product {
+            Ok(product) => format!("{}, within 1 %", show::energy(product)),
+            Err(_) => "a power and a duration that can be multiplied".to_owned(),
+        };
         about.error("energy", Rule::Energy, message, expected);
+    }
+}
+
+/// What draws more on average than at most.
+fn peak(activity: &Activity, about: &mut About<'_, '_, '_>) {
+    let Activity { marginal, peak, .. } = activity;
+    if peak < marginal {
+        about.warn("peak", Rule::Limits, PEAK_BELOW, Some(raise(*marginal)));
     }
 }
 

@@ -3,10 +3,10 @@
 use faregate_scheduler::format::Rule;
 use faregate_scheduler::format::reading::Report;
 
-use crate::file::check::{About, clean, overflow};
+use crate::file::check::{About, PEAK_BELOW, clean, overflow, raise};
 use crate::file::read::Placed;
 use crate::file::{schema, show, times};
-use crate::parameters::{Parameters, Zone};
+use crate::parameters::{Load, Parameters, Zone};
 use crate::units::Span;
 
 pub(in crate::file) fn parameters(
@@ -32,6 +32,10 @@ pub(in crate::file) fn parameters(
     for (index, zone) in value.zones.iter().enumerate() {
         let element = root.nth(schema::ZONE.name, index);
         let who = format!("zone {}", zone.name);
+        if zone.load.peak < zone.load.marginal {
+            let mut about = About::new(element, who.clone(), report);
+            about.warn("peak", Rule::Limits, PEAK_BELOW, Some(raise(zone.load.marginal)));
+        }
         table(zone, value.day.length, &mut About::new(element, who, report));
     }
     for (index, timeline) in value.timelines.iter().enumerate() {
@@ -49,18 +53,18 @@ pub(in crate::file) fn parameters(
 
 /// What the planner itself brings must fit beside nothing else.
 fn peaks(value: &Parameters, about: &mut About<'_, '_, '_>) {
-    let loads = [
-        ("awake", value.awake.peak),
-        ("wakeup", value.wakeup.load.peak),
-        ("shutdown", value.shutdown.load.peak),
-    ];
-    for (name, peak) in loads {
+    let loads =
+        [("awake", value.awake), ("wakeup", value.wakeup.load), ("shutdown", value.shutdown.load)];
+    for (name, Load { marginal, peak }) in loads {
+        let element = about.element.nth(name, 0);
+        if peak < marginal {
+            about.warn_at(element, "peak", Rule::Limits, PEAK_BELOW, Some(raise(marginal)));
+        }
         if peak > value.peak_limit {
             let message = format!(
                 "{name} alone has a peak of {}, above the limit: nothing ever runs",
                 show::power(peak)
             );
-            let element = about.element.nth(name, 0);
             about.warn_at(element, "peak", Rule::NeverRuns, &message, None);
         }
     }

@@ -4,7 +4,7 @@ use faregate_scheduler::format::Rule;
 use faregate_scheduler::format::reading::Report;
 use faregate_tickets::amount::Microjoules;
 
-use crate::file::check::{About, clean, overflow};
+use crate::file::check::{About, PEAK_BELOW, clean, overflow, raise};
 use crate::file::read::Placed;
 use crate::file::schema;
 use crate::file::xml::Element;
@@ -37,6 +37,13 @@ pub(in crate::file) fn state(state: &Placed<'_, State, ()>, report: &mut Report<
         if paused < running.started {
             let message = "it was paused before it started";
             about.error_at(element, "paused", Rule::Window, message, "not before started");
+        }
+    }
+    for (index, window) in value.windows.iter().enumerate() {
+        if window.peak < window.marginal {
+            let element = root.nth(schema::WINDOW.name, index);
+            let help = Some(raise(window.marginal));
+            about.warn_at(element, "peak", Rule::Limits, PEAK_BELOW, help);
         }
     }
     if clean(report, before) {

@@ -14,7 +14,7 @@ use crate::plan::{
     Activity, ActivityId, Condition, Constraint, Dependency, Effect, Impact, Kind, StartRange,
     Variable,
 };
-use crate::units::{Bytes, Span};
+use crate::units::Bytes;
 
 /// Stands in for numbers that cannot be read.
 const NOBODY: ActivityId = ActivityId::FIRST;
@@ -28,7 +28,7 @@ pub(super) fn activity(fields: &mut Fields<'_, '_, '_, '_>) -> Activity {
         sequence: fields.read("sequence", value::name),
         priority: fields.need("priority", 0, value::count),
         value: fields.read("value", value::worth),
-        duration: fields.need("duration", Span::ZERO, value::span),
+        duration: fields.span("duration"),
         marginal: fields.or("marginal", Milliwatts::ZERO, value::power),
         energy: fields.read("energy", value::energy),
         peak: fields.or("peak", Milliwatts::ZERO, value::power),
@@ -58,12 +58,12 @@ fn kind(fields: &mut Fields<'_, '_, '_, '_>) -> Kind {
         Type::StayAwake => (Kind::StayAwake, &[]),
         Type::Cleanup => (Kind::Cleanup, &[]),
         Type::Expanding => {
-            let minimum = fields.need("minimum", Span::ZERO, value::span);
+            let minimum = fields.span("minimum");
             (Kind::Expanding { minimum }, &["minimum"])
         }
         Type::ManualShutdown => {
-            let shutdown = fields.need("shutdown", Span::ZERO, value::span);
-            let wakeup = fields.need("wakeup", Span::ZERO, value::span);
+            let shutdown = fields.span("shutdown");
+            let wakeup = fields.span("wakeup");
             (Kind::ManualShutdown { shutdown, wakeup }, &["shutdown", "wakeup"])
         }
     };

@@ -64,7 +64,7 @@ fn power(fields: &mut Fields<'_, '_, '_, '_>, name: &'static str) -> Milliwatts 
 }
 
 fn span(fields: &mut Fields<'_, '_, '_, '_>, name: &'static str) -> Span {
-    fields.need(name, Span::ZERO, value::span)
+    fields.span(name)
 }
 
 /// The one element of this kind, which must be there.
