@@ -231,7 +231,7 @@ fn parameters_are_compared_with_the_mission_that_plans_are_executed_on() {
     let less = scratch.file("less.toml", less.replace("\"engine 3\" = 102\n", ""));
     let said = plan(&["check", text(&parameters), "--mission", text(&less)]);
     assert_eq!(said.code, 1);
-    for part in ["a peak of 480 W", "has 479 W", "no category `engine 3`", "less.toml:4"] {
+    for part in ["a peak of 480 W", "has 479 W", "no category `engine 3`", "less.toml:6"] {
         assert!(said.err.contains(part), "{part}: {said:?}");
     }
     assert!(said.out.contains("2 errors"), "{said:?}");
@@ -244,18 +244,23 @@ fn parameters_are_compared_with_the_mission_that_plans_are_executed_on() {
 fn a_plan_is_compared_with_what_its_sequences_command() {
     let sols = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/sols");
     let (parameters, rover) = (sols.join("parameters.xml"), sols.join("rover.toml"));
-    let check =
-        |sol: &Path| plan(&["check", text(sol), text(&parameters), "--mission", text(&rover)]);
-    let said = check(&sols.join("busy/plan.xml"));
-    assert_eq!((said.code, said.err.as_str()), (0, ""), "{said:?}");
-    let said = check(&sols.join("conjunction/plan.xml"));
-    assert_eq!(said.code, 1, "the rover's file has the busy sol's sequences alone");
+    let on = |rover: &Path, sol: &Path| {
+        plan(&["check", text(sol), text(&parameters), "--mission", text(rover)])
+    };
+    let check = |sol: &Path| on(&rover, sol);
+    for sol in ["busy", "winter", "conjunction", "too-much"] {
+        let said = check(&sols.join(sol).join("plan.xml"));
+        assert_eq!((said.code, said.err.as_str()), (0, ""), "{sol}: {said:?}");
+    }
+    let scratch = Scratch::new();
+    let other = fs::read_to_string(&rover).unwrap().replace("\"health\"", "\"wealth\"");
+    let said = on(&scratch.file("other.toml", other), &sols.join("conjunction/plan.xml"));
+    assert_eq!(said.code, 1);
     assert!(said.err.contains("no sequence `health` is known"), "{said:?}");
     // The evening's weather at noon, by the same instrument.
     let busy = fs::read_to_string(sols.join("busy/plan.xml")).unwrap();
     let evening = "<start from=\"19:00\" to=\"20:00\" cutoff=\"20:15\"/>";
     assert_eq!(busy.matches(evening).count(), 1);
-    let scratch = Scratch::new();
     let noon = busy.replace(evening, "<start from=\"12:00\" to=\"13:00\" cutoff=\"13:15\"/>");
     let said = check(&scratch.file("noon.xml", noon));
     assert_eq!(said.code, 1);

@@ -154,8 +154,11 @@ fn a_plan_is_executed_in_real_time_on_tickets_of_its_devices() {
     assert_eq!(said.code, 0, "{said:?}");
     let notes = said.json_lines();
     let of = |note: &Value| Some((note["occurrence"]["task"].as_u64()?, note["number"].as_u64()?));
-    let started: Vec<_> =
-        notes.iter().filter_map(|line| of(&line["note"]["Started"])).map(|(task, _)| task).collect();
+    let started: Vec<_> = notes
+        .iter()
+        .filter_map(|line| of(&line["note"]["Started"]))
+        .map(|(task, _)| task)
+        .collect();
     let lamps: Vec<_> = started.into_iter().filter(|task| *task < 1_000).collect();
     assert_eq!(lamps, [1, 2], "one after the other, and no cleanup");
     assert_eq!(outcomes(&said).into_values().collect::<Vec<_>>(), ["Succeeded", "Succeeded"]);

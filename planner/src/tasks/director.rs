@@ -41,7 +41,6 @@ use faregate_tickets::amount::Microjoules;
 
 use super::generated::Numbers;
 use super::{Misfit, Setting};
-use crate::{Plan, Problem};
 use crate::plan::{Activity, ActivityId};
 use crate::problem::Unfit;
 use crate::schedule::schedule;
@@ -49,6 +48,7 @@ use crate::state::{Mode, State, Window};
 use crate::timed::TimedPlan;
 use crate::trace::Why;
 use crate::units::{Bytes, Span, Time};
+use crate::{Plan, Problem};
 
 /// Has a plan executed by the schedule manager.
 #[derive(Clone, Debug)]
