@@ -2,10 +2,11 @@
 //!
 //! Two worlds. [`Shape::sols`] is a rover over as many sols as its activities
 //! need, each as crowded as the others, so that costs can be compared over
-//! sizes. [`Shape::small`] is eight hours in steps of five minutes without
-//! heating, which an exact solver can model, too.
+//! sizes. [`Shape::small`] is some hours in steps of ten minutes, which an exact
+//! solver can model, too.
 
 mod activities;
+mod small;
 mod worlds;
 
 use serde::{Deserialize, Serialize};
@@ -45,8 +46,7 @@ impl Shape {
         Self { activities, per_sol: Some(100), draw: 100, seed }
     }
 
-    /// Eight hours of optional activities on a grid of five minutes, more than
-    /// fit, without heating.
+    /// Some hours on a grid of ten minutes, with more activities than fit.
     #[must_use]
     pub const fn small(activities: usize, seed: u64) -> Self {
         Self { activities, per_sol: None, draw: 100, seed }
@@ -64,7 +64,7 @@ impl Shape {
     pub fn draw(self) -> World {
         match self.per_sol {
             Some(per_sol) => worlds::sols(self, per_sol.max(1)),
-            None => worlds::small(self),
+            None => small::small(self),
         }
     }
 }

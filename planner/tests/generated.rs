@@ -5,7 +5,8 @@ use std::collections::BTreeSet;
 use faregate_planner::generate::Shape;
 use faregate_planner::plan::Kind;
 use faregate_planner::timed::{Fate, Limit, Reason};
-use faregate_planner::{Problem, schedule};
+use faregate_planner::units::Time;
+use faregate_planner::{Activity, Problem, schedule};
 
 #[test]
 fn equal_seeds_draw_equal_worlds() {
@@ -56,19 +57,32 @@ fn a_crowded_sol_leaves_something_out_for_its_charge() {
 }
 
 #[test]
-fn a_small_world_lies_on_its_grid() {
+fn a_small_world_lies_on_its_grid_and_so_do_its_plans() {
     let world = Shape::small(60, 9).draw();
-    let on_grid = |ms: i64| ms % 300_000 == 0;
+    let on_grid = |at: Time| at.get() % 600_000 == 0;
     for one in &world.plan.activities {
-        assert!(on_grid(one.duration.get()) && one.zones.is_empty() && one.after.is_empty());
-        assert!(one.starts.iter().all(|range| {
-            on_grid(range.from.get()) && on_grid(range.to.get()) && on_grid(range.cutoff.get())
-        }));
-        assert!(one.priority < world.parameters.mandatory_from);
+        assert!(on_grid(Time::ZERO.after(one.duration)));
+        assert!(one.starts.iter().all(|range| range.from == range.to && on_grid(range.from)));
+        assert!(one.starts.iter().all(|range| range.cutoff == range.to.after(one.duration)));
     }
     let problem = Problem::new(&world.plan, &world.parameters, &world.state).expect("it is fit");
     let timed = schedule(&problem, None);
     let out = timed.rows.iter().filter(|row| matches!(row.fate, Fate::Out(_))).count();
     assert!((6..60).contains(&out), "more than fit: {out} are left out");
     assert!(timed.unavoidable.is_empty(), "alone it keeps its limits");
+    let phases = timed.awake.iter().flat_map(|up| [up.wakeup, up.up, up.down, up.asleep]);
+    let heats = timed.preheats.iter().flat_map(|heat| [heat.start, heat.end]);
+    assert!(phases.chain(heats).all(on_grid));
+}
+
+#[test]
+fn a_small_world_has_what_an_exact_solver_can_model() {
+    let world = Shape::small(60, 9).draw();
+    let any = |holds: fn(&Activity) -> bool| world.plan.activities.iter().any(holds);
+    assert!(any(|one| !one.zones.is_empty()));
+    assert!(any(|one| !one.after.is_empty()) && any(|one| one.group.is_some()));
+    let from = world.parameters.mandatory_from;
+    assert!(world.plan.activities.iter().any(|one| one.priority >= from));
+    assert!(any(|one| one.kind == Kind::Generic) && !any(|one| one.kind != Kind::Generic));
+    assert!(!world.state.windows.is_empty() && world.plan.handover < world.plan.end);
 }

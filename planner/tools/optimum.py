@@ -2,176 +2,143 @@
 """The best that can be made of small worlds, by an exact solver.
 
 Reads lines of JSON from `small_worlds` and writes lines of CSV: activities,
-seed, checksum, optimum, bound, total. CP-SAT chooses which activities run and
-when, and when the computer is up, so that the sum of values is largest.
+seed, checksum, optimum, bound, total, and the plan that is worth the optimum, as
+numbers of activities with the steps at which they start. Values are of
+mandatory and optional activities together; of the mandatory ones as many are in
+as can be, the most important first. Where time was up, the bound is above the
+optimum. The total is of all activities, and of a group its best member's.
 
-The model is the planner's own world but for two things. Starts lie on the
-worlds' grid of five minutes, where the planner's are free to the millisecond:
-the planner can come out above the optimum of the grid. And the solver may keep
-the computer up or prolong a phase wherever it likes, where the planner has
-rules for it: that only ever helps the solver.
+HiGHS maximises the program that model.py makes of a world. Each of the plans
+that come with a world is forced into the program first: where one does not fit,
+the model is wrong, and that is an error.
 
-Usage: optimum.py [--seconds LIMIT] < worlds.jsonl > optima.csv
+Usage: optimum.py [--seconds LIMIT] [--verify] < worlds.jsonl > optima.csv
 """
 
 import argparse
 import json
 import sys
+import time
+from concurrent.futures import ProcessPoolExecutor
+from math import inf, isclose
+from os import cpu_count
 
-from ortools.sat.python import cp_model
+import highspy
+import numpy
 
-STEP = 300_000  # ms
-
-
-def steps(ms):
-    """A time in steps; the worlds lie on the grid."""
-    whole, rest = divmod(ms, STEP)
-    if rest:
-        raise SystemExit(f"{ms} ms do not lie on the grid of {STEP} ms")
-    return whole
+from model import STEP, Unknown, World
 
 
-def starts_of(activity, end):
-    """Every start on the grid that ranges, cutoffs and the plan's end leave."""
-    length = steps(activity["duration"])
-    found = set()
-    for window in activity["starts"]:
-        last = min(steps(window["to"]), min(steps(window["cutoff"]), end) - length)
-        found.update(range(max(0, steps(window["from"])), last + 1))
-    return length, sorted(found)
+class Wrong(Exception):
+    """The model is, or the planner."""
 
 
-def require(condition, what):
-    if not condition:
-        raise SystemExit(f"this model does not know {what}")
+def sides(values):
+    """As HiGHS wants them."""
+    infinite = {inf: highspy.kHighsInf, -inf: -highspy.kHighsInf}
+    return numpy.array([infinite.get(value, value) for value in values], float)
 
 
-def check(world):
-    """What is not in the model must not be in the world."""
-    plan, parameters, state = world["plan"], world["parameters"], world["state"]
-    require(state["now"] == 0 and state["mode"] == "Asleep", "a computer that is up at the begin")
-    require(not state["windows"] and not state["running"], "windows and running activities")
-    require(parameters["max_soc"] == 1_000_000, "a largest charge below the capacity")
-    require(plan["handover"] == plan["end"], "a handover before the end")
-    for activity in plan["activities"]:
-        require(activity["priority"] < parameters["mandatory_from"], "mandatory activities")
-        require(activity["kind"] == "Generic" and activity["data"] >= 0, "other types")
-        extras = ("after", "zones", "impacts", "constraints", "group")
-        require(not any(activity[name] for name in extras), "what activities ask of others")
+def linear(program, fixed, worth):
+    """The program as HiGHS takes it; some variables are fixed."""
+    bounds = list(program.bounds)
+    for var, value in fixed.items():
+        bounds[var] = (value, value)
+    lp = highspy.HighsLp()
+    lp.num_col_, lp.num_row_ = len(bounds), len(program.rows)
+    lp.col_lower_, lp.col_upper_ = (sides(side) for side in zip(*bounds))
+    lp.col_cost_ = sides(worth.get(var, 0) for var in range(len(bounds)))
+    lp.sense_ = highspy.ObjSense.kMaximize
+    lower, rows, upper = zip(*program.rows)
+    lp.row_lower_, lp.row_upper_ = sides(lower), sides(upper)
+    lp.a_matrix_.format_ = highspy.MatrixFormat.kRowwise
+    lp.a_matrix_.start_ = numpy.cumsum([0, *map(len, rows)])
+    lp.a_matrix_.index_ = numpy.array([var for row in rows for var in row])
+    lp.a_matrix_.value_ = sides(factor for row in rows for factor in row.values())
+    kinds = highspy.HighsVarType
+    is_binary = ((least, most) == (0, 1) for least, most in program.bounds)
+    # Charges follow from what is chosen.
+    lp.integrality_ = [kinds.kInteger if binary else kinds.kContinuous for binary in is_binary]
+    return lp
 
 
-def computer(model, parameters, state, slots):
-    """The computer in each step: up, waking up, shutting down, or asleep."""
-    require(steps(parameters["wakeup"]["duration"]) == 1, "a wakeup that is not one step")
-    require(steps(parameters["shutdown"]["duration"]) == 1, "a shutdown that is not one step")
-    up, waking, closing, asleep = (
-        [model.new_bool_var(f"{name}{t}") for t in range(slots)]
-        for name in ("up", "waking", "closing", "asleep")
-    )
-    min_awake = steps(parameters["min_awake"])
-    min_sleep = steps(parameters["min_sleep"])
-    slept = -steps(state["mode_since"])
-    for t in range(slots):
-        model.add_exactly_one(up[t], waking[t], closing[t], asleep[t])
-        before = t - 1
-        if t == 0:
-            model.add(up[0] == 0)
-            model.add(closing[0] == 0)
-            continue
-        # Up comes after up or waking up, and so on.
-        model.add_bool_or(up[before], waking[before]).only_enforce_if(up[t])
-        model.add(asleep[before] == 1).only_enforce_if(waking[t])
-        model.add(up[before] == 1).only_enforce_if(closing[t])
-        model.add_bool_or(asleep[before], closing[before]).only_enforce_if(asleep[t])
-        for later in range(t, min(t + min_awake, slots)):
-            model.add(up[later] == 1).only_enforce_if(waking[before])
-        for later in range(t, min(t + min_sleep, slots)):
-            model.add(asleep[later] == 1).only_enforce_if(closing[before])
-    for t in range(max(0, min_sleep - slept)):
-        model.add(waking[t] == 0)
-    # Waking up so late that the shortest awake phase does not fit is not done.
-    for t in range(max(0, slots - min_awake), slots):
-        model.add(waking[t] == 0)
-    return up, waking, closing
+def solver(program, seconds, fixed={}, worth=None):
+    """Ready to run; without a worth of variables, values are maximised."""
+    highs = highspy.Highs()
+    for name, value in {
+        "output_flag": False,
+        "threads": 1,
+        "time_limit": float(seconds),
+        "mip_rel_gap": 0.0,
+        # Values are whole numbers.
+        "mip_abs_gap": 0.99,
+    }.items():
+        highs.setOptionValue(name, value)
+    highs.passModel(linear(program, fixed, program.worth if worth is None else worth))
+    return highs
 
 
-def ceiling(ppm, capacity):
-    return -(-ppm * capacity // 1_000_000)
+def force(world, plan, seconds):
+    """The plan must be one of the program's solutions, of the same value."""
+    for id, at in plan:
+        if (id, at / STEP) not in world.starts:
+            raise Wrong(f"activity {id} starts at {at} ms, where the model has no start")
+    chosen = {world.starts[id, at // STEP] for id, at in plan}
+    fixed = {var: int(var in chosen) for var in world.starts.values()}
+    highs = solver(world.program, seconds, fixed)
+    highs.run()
+    if highs.getModelStatus() != highspy.HighsModelStatus.kOptimal:
+        status = highs.modelStatusToString(highs.getModelStatus())
+        raise Wrong(f"a plan of the planner's does not fit into the model: {status}")
+    value = sum(world.value(world.by_id[id]) for id, _ in plan)
+    if not isclose(highs.getObjectiveValue(), value):
+        raise Wrong("a plan of the planner's has another value in the model")
+    return fixed, value
 
 
-def solve(world, seconds):
-    check(world)
-    plan, parameters, state = world["plan"], world["parameters"], world["state"]
-    slots = steps(plan["end"])
-    model = cp_model.CpModel()
-    up, waking, closing = computer(model, parameters, state, slots)
-    users = [[] for _ in range(slots)]
-    chosen, worth, data = [], [], []
-    for activity in plan["activities"]:
-        length, starts = starts_of(activity, slots)
-        choices = []
-        for start in starts:
-            choice = model.new_bool_var(f"{activity['id']}@{start}")
-            choices.append(choice)
-            for t in range(start, start + length):
-                users[t].append((activity, choice))
-        model.add_at_most_one(choices)
-        value = activity["value"] if activity["value"] is not None else activity["priority"]
-        chosen += choices
-        worth += [value] * len(choices)
-        data += [activity["data"]] * len(choices)
-    # Nothing is sent down, so the volume is largest at the end.
-    model.add(cp_model.LinearExpr.weighted_sum(chosen, data) <= plan["max_delta_data"])
-    limits(model, parameters, users, (up, waking, closing))
-    battery(model, plan, parameters, state, users, (up, waking, closing))
-    model.maximize(cp_model.LinearExpr.weighted_sum(chosen, worth))
-    solver = cp_model.CpSolver()
-    solver.parameters.max_time_in_seconds = seconds
-    solver.parameters.num_workers = 2
-    status = solver.solve(model)
-    if status not in (cp_model.OPTIMAL, cp_model.FEASIBLE):
-        raise SystemExit(f"no solution: {solver.status_name(status)}")
-    return round(solver.objective_value), round(solver.best_objective_bound)
+def require_mandatory(world, plans, seconds):
+    """As many of each mandatory priority as can be, the highest first."""
+    for ids in world.mandatory():
+        starts = {var: 1 for id in ids for _, var in world.of(id)}
+        known = max((sum(fixed[var] for var in starts) for fixed, _ in plans), default=0)
+        if known < len(ids):
+            highs = solver(world.program, seconds, worth=starts)
+            highs.run()
+            if highs.getModelStatus() != highspy.HighsModelStatus.kOptimal:
+                raise Unknown("how many mandatory activities can be in: time is up")
+            known = round(highs.getObjectiveValue())
+        world.program.row(known, starts.items(), known)
+        plans = [plan for plan in plans if sum(plan[0][var] for var in starts) == known]
+    return plans
 
 
-def limits(model, parameters, users, phases):
-    """Bits, engines and peak power, in each step."""
-    up, waking, closing = phases
-    for t, now in enumerate(users):
-        # One at most of what shares a bit, and none where the computer is not up:
-        # together that bounds fractions of starts much better than one by one.
-        for bit in range(128):
-            sharing = [choice for a, choice in now if a["resources"] >> bit & 1]
-            if sharing:
-                model.add(sum(sharing) <= up[t])
-        for activity in {a["id"]: a for a, _ in now}.values():
-            model.add(sum(c for a, c in now if a["id"] == activity["id"]) <= up[t])
-        model.add(sum(a["engines"] * c for a, c in now) <= parameters["engines"])
-        peak = sum(a["peak"] * c for a, c in now)
-        peak += parameters["awake"]["peak"] * up[t]
-        peak += parameters["wakeup"]["load"]["peak"] * waking[t]
-        peak += parameters["shutdown"]["load"]["peak"] * closing[t]
-        model.add(peak <= parameters["peak_limit"])
-
-
-def battery(model, plan, parameters, state, users, phases):
-    """Charge in mW x steps. It may be less than it is, never more, so clamping
-    at the capacity is two inequalities."""
-    up, waking, closing = phases
-    soft = ceiling(parameters["soft_min_soc"], state["capacity"])
-    least = [-(-soft // STEP)] * (len(users) + 1)
-    handover = ceiling(plan["handover_min_soc"], state["capacity"])
-    least[-1] = max(least[-1], -(-handover // STEP))
-    capacity = state["capacity"] // STEP
-    charges = [model.new_int_var(low, capacity, f"charge{t}") for t, low in enumerate(least)]
-    model.add(charges[0] <= state["charge"] // STEP)
-    for t, now in enumerate(users):
-        net = parameters["rtg"] - parameters["base"]
-        net -= parameters["awake"]["marginal"] * up[t]
-        net -= parameters["wakeup"]["load"]["marginal"] * waking[t]
-        net -= parameters["shutdown"]["load"]["marginal"] * closing[t]
-        net -= sum(a["marginal"] * c for a, c in now)
-        model.add(charges[t + 1] <= charges[t] + net)
+def solve(line, seconds, verify):
+    """One world: a row, and a line for people."""
+    given, begin = json.loads(line), time.monotonic()
+    which = f"{given['activities']} activities, seed {given['seed']}"
+    try:
+        world = World(given["world"])
+        plans = [force(world, plan, seconds) for plan in given["plans"]]
+        if verify:
+            return (), f"{which}: {len(plans)} plans fit into the model"
+        plans = require_mandatory(world, plans, seconds)
+    except (Unknown, Wrong) as error:
+        return None, f"{which}: {error}"
+    highs, known = solver(world.program, seconds), 0
+    if plans:
+        fixed, known = max(plans, key=lambda plan: plan[1])
+        hint = numpy.array(list(fixed), numpy.int32), numpy.array(list(fixed.values()), float)
+        highs.setSolution(len(fixed), *hint)
+    highs.run()
+    info, chosen = highs.getInfo(), highs.getSolution().col_value
+    optimum, bound = round(info.objective_function_value), int(info.mip_dual_bound + 1e-6)
+    if optimum < known or bound < optimum:
+        return None, f"{which}: {optimum} is below what is known, or above {bound}"
+    plan = " ".join(f"{id}@{s}" for (id, s), var in world.starts.items() if chosen[var] > 0.5)
+    head = [given[name] for name in ("activities", "seed", "checksum")]
+    proven = "proven" if bound == optimum else f"at most {bound}"
+    told = f"{which}: {optimum} of {world.total()}, {proven}, {time.monotonic() - begin:.1f} s"
+    return (*head, optimum, bound, world.total(), plan), told
 
 
 def main():
@@ -179,16 +146,21 @@ def main():
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--seconds", type=float, default=120, help="for each world")
-    seconds = parser.parse_args().seconds
-    print("activities,seed,checksum,optimum,bound,total")
-    for line in sys.stdin:
-        given = json.loads(line)
-        optimum, bound = solve(given["world"], seconds)
-        activities = given["world"]["plan"]["activities"]
-        total = sum(a["value"] if a["value"] is not None else a["priority"] for a in activities)
-        row = (given["activities"], given["seed"], given["checksum"], optimum, bound, total)
-        print(*row, sep=",", flush=True)
-        print(f"{row[0]} activities, seed {row[1]}: {optimum} of {total}", file=sys.stderr)
+    parser.add_argument("--verify", action="store_true", help="only force the plans into the model")
+    chosen = parser.parse_args()
+    if not chosen.verify:
+        print("activities,seed,checksum,optimum,bound,total,plan")
+    lines, wrong, proven = sys.stdin.readlines(), 0, 0
+    with ProcessPoolExecutor(cpu_count()) as pool:
+        limits = [chosen.seconds] * len(lines), [chosen.verify] * len(lines)
+        for number, (row, told) in enumerate(pool.map(solve, lines, *limits), 1):
+            print(f"[{number}/{len(lines)}] {told}", file=sys.stderr, flush=True)
+            wrong += row is None
+            if row:
+                proven += row[3] == row[4]
+                print(*row, sep=",", flush=True)
+    print(f"{len(lines)} worlds, {wrong} wrong, {proven} optima proven", file=sys.stderr)
+    sys.exit(1 if wrong or not lines else 0)
 
 
 if __name__ == "__main__":

@@ -9,13 +9,13 @@ use crate::plan::{
 };
 use crate::units::{Bytes, Span, Time};
 
-const MB: i64 = 1_000_000;
+pub(super) const MB: i64 = 1_000_000;
 const SECOND: i64 = 1_000;
-const MINUTE: i64 = 60_000;
+pub(super) const MINUTE: i64 = 60_000;
 const HOUR: i64 = 3_600_000;
 
 /// Priorities from here on are mandatory.
-const MANDATORY: i64 = 128;
+pub(super) const MANDATORY: i64 = 128;
 
 /// What a crowd has in common.
 #[derive(Clone, Copy)]
@@ -26,12 +26,12 @@ pub(super) struct Crowd {
     pub(super) draw: u64,
 }
 
-fn id(number: usize) -> ActivityId {
+pub(super) fn id(number: usize) -> ActivityId {
     let number = u32::try_from(number).unwrap_or(u32::MAX).saturating_add(1);
     ActivityId::new(number).unwrap_or(ActivityId::FIRST)
 }
 
-fn unsigned(number: i64) -> u64 {
+pub(super) fn unsigned(number: i64) -> u64 {
     number.unsigned_abs()
 }
 
@@ -124,30 +124,4 @@ fn related(one: &mut Activity, before: &Activity, midnight: i64, draws: &mut Dra
         }
         _ => {}
     }
-}
-
-/// Optional generic activities on a grid of five minutes, worth something that
-/// has little to do with what they cost.
-pub(super) fn grid(count: usize, draw: u64, draws: &mut Draws) -> Vec<Activity> {
-    let steps = |first, last, draws: &mut Draws| draws.between(first, last) * 5 * MINUTE;
-    let one = |number| {
-        let mut one = Activity::new(id(number), Span::new(steps(2, 12, draws)));
-        one.priority = u32::try_from(draws.between(1, 100)).unwrap_or(1);
-        let watts = unsigned(draws.between(1, 12)) * 50 * draw;
-        one.marginal = Milliwatts::new(watts);
-        one.peak = Milliwatts::new(2 * watts);
-        one.data = Bytes::new(draws.between(0, 20) * MB);
-        one.engines = u32::from(draws.percent(70));
-        one.resources = Categories::from_mask(1 << draws.below(4));
-        let ranges = 1 + draws.below(2);
-        let range = |_| {
-            let from = steps(1, 80, draws);
-            let to = from + steps(0, 24, draws);
-            let cutoff = Time::new(to + one.duration.get());
-            StartRange { from: Time::new(from), to: Time::new(to), cutoff }
-        };
-        one.starts = (0..ranges).map(range).collect();
-        one
-    };
-    (0..count).map(one).collect()
 }

@@ -13,7 +13,7 @@ use crate::plan::Plan;
 use crate::state::{State, Window};
 use crate::units::{Bytes, Ppm, Span, Time};
 
-use super::activities::{Crowd, crowd, grid};
+use super::activities::{Crowd, crowd};
 use super::{Shape, World};
 
 const MB: i64 = 1_000_000;
@@ -21,15 +21,15 @@ const HOUR: i64 = 3_600_000;
 const MINUTE: i64 = 60_000;
 
 /// So many watt-hours.
-const fn watt_hours(number: u64) -> Microjoules {
+pub(super) const fn watt_hours(number: u64) -> Microjoules {
     Microjoules::new(number * 3_600_000_000)
 }
 
-const fn watts(number: u64) -> Milliwatts {
+pub(super) const fn watts(number: u64) -> Milliwatts {
     Milliwatts::new(number * 1_000)
 }
 
-const fn load(marginal: u64, peak: u64) -> Load {
+pub(super) const fn load(marginal: u64, peak: u64) -> Load {
     Load { marginal: watts(marginal), peak: watts(peak) }
 }
 
@@ -112,7 +112,7 @@ fn rover() -> Parameters {
     }
 }
 
-fn computer() -> Parameters {
+pub(super) fn computer() -> Parameters {
     Parameters {
         mandatory_from: 128,
         soft_min_soc: Ppm::new(400_000),
@@ -129,36 +129,4 @@ fn computer() -> Parameters {
         soft_samples: 3,
         ..Parameters::default()
     }
-}
-
-/// Eight hours on a grid of five minutes, without heating, and without a largest
-/// charge that would end a sleep: what is over is lost.
-pub(super) fn small(shape: Shape) -> World {
-    let mut draws = Draws::new(shape.seed);
-    let end = Time::new(8 * HOUR);
-    let plan = Plan {
-        name: format!("{} activities on a grid, seed {}", shape.activities, shape.seed),
-        handover: end,
-        handover_min_soc: Ppm::new(500_000),
-        end,
-        max_delta_data: Bytes::new(draws.between(150, 260) * MB),
-        next_plan: None,
-        activities: grid(shape.activities, shape.draw, &mut draws),
-    };
-    let state = State {
-        now: Time::ZERO,
-        mode_since: Time::new(-2 * HOUR),
-        charge: watt_hours(360),
-        capacity: watt_hours(600),
-        ..State::default()
-    };
-    let resources = (0..4).map(|bit| (format!("bit {bit}"), bit)).collect();
-    let parameters = Parameters {
-        max_soc: Ppm::new(1_000_000),
-        peak_limit: watts(300),
-        engines: 3,
-        resources,
-        ..computer()
-    };
-    World { plan, parameters, state }
 }
