@@ -19,7 +19,9 @@ fn worlds() -> impl Iterator<Item = (Shape, World)> {
         let (per_sol, draw) = [(45, 100), (60, 60), (60, 100), (90, 100)][(seed % 4) as usize];
         Shape { per_sol: Some(per_sol), draw, ..Shape::sols(90, seed) }
     });
-    shapes.chain((0..8).map(|seed| Shape::small(40, seed))).map(|shape| (shape, shape.draw()))
+    let crowded = (0..8_u64).map(|seed| Shape { draw: 200, ..Shape::sols(60, seed) });
+    let small = (0..4).map(|seed| Shape::small(40, seed));
+    shapes.chain(crowded).chain(small).map(|shape| (shape, shape.draw()))
 }
 
 fn bytes(timed: &TimedPlan) -> String {
