@@ -39,7 +39,7 @@ pub fn reference(
     };
     if is_less(&pass, &hoped) {
         let mut kept = Pass::new(&scene);
-        keep(&mut kept, &wanted);
+        keep(&mut kept, incumbent, &wanted);
         kept.run(&order);
         if is_less(&pass, &kept.world.placed) {
             pass = kept;
@@ -52,7 +52,7 @@ pub fn reference(
 pub(crate) struct Pass<'s, 'a> {
     pub(crate) scene: &'s Scene<'a>,
     pub(crate) world: World<'a>,
-    excess: Vec<Excess>,
+    pub(crate) excess: Vec<Excess>,
 }
 
 impl<'s, 'a> Pass<'s, 'a> {

@@ -51,6 +51,12 @@ impl<'a> Given<'a> {
         self.world.placed.iter().filter(|placed| placed.how == How::Chosen)
     }
 
+    /// What somebody has chosen: now, or in the plan that is being executed.
+    pub(crate) fn decided(&self) -> impl Iterator<Item = &Placed> + Clone {
+        let decided = |placed: &&Placed| matches!(placed.how, How::Chosen | How::Committed);
+        self.world.placed.iter().filter(decided)
+    }
+
     /// What is left out, by its place in the plan.
     pub(crate) fn left_out(&self) -> impl Iterator<Item = usize> {
         let rows = self.timed.rows.iter().enumerate();

@@ -56,7 +56,7 @@ pub(crate) fn check(given: &Given<'_>) -> Vec<Violation> {
 fn may_exceed(given: &Given<'_>, broken: Option<Broken>, rule: Rule) -> Option<Violation> {
     let broken = broken?;
     let listed = given.timed.excess.iter().any(|excess| excess.limit == broken.limit);
-    let mandatory = given.chosen().any(|placed| !given.scene.is_optional(placed.index));
+    let mandatory = given.decided().any(|placed| !given.scene.is_optional(placed.index));
     let rule = if mandatory && !listed { Rule::Excess } else { rule };
     (!(mandatory && listed)).then(|| violation(broken, None)).map(|v| Violation { rule, ..v })
 }
@@ -74,7 +74,7 @@ pub(crate) fn excess(given: &Given<'_>) -> Vec<Violation> {
 
 fn could_exceed(given: &Given<'_>, excess: &Excess) -> bool {
     let Some(index) = excess.by.and_then(|by| given.scene.index(by)) else { return false };
-    let chosen = given.chosen().any(|placed| placed.index == index);
+    let decided = given.decided().any(|placed| placed.index == index);
     let limit = matches!(excess.limit, Limit::Handover | Limit::Data);
-    chosen && limit && excess.amount > 0 && !given.scene.is_optional(index)
+    decided && limit && excess.amount > 0 && !given.scene.is_optional(index)
 }

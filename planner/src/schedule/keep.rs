@@ -4,14 +4,13 @@
 //! room it can come to less: what fits now is in the way of two others. The plan
 //! that is there has a start for each activity that is known to have fitted.
 
-use crate::derive::{Placement, World};
-use crate::judge::keeps;
-use crate::problem::{Block, Problem, Range};
-use crate::timed::{Excess, Fate, Limit, Row, Slot, TimedPlan};
-use crate::units::Time;
+mod whole;
 
-use super::begin::claim;
+use crate::problem::Problem;
+use crate::timed::{Fate, Row, Slot, TimedPlan};
+
 use super::{Pass, Worth};
+use whole::whole;
 
 /// The better one of a pass's plan and of what the incumbent becomes: never
 /// worth less than the incumbent, where everything in it still fits.
@@ -36,28 +35,11 @@ pub(super) fn keep<'a>(problem: &'a Problem, incumbent: &TimedPlan) -> Pass<'a> 
     // What is committed is in already.
     let open = problem.order().iter().filter(|&&item| begun.slots[item].is_none());
     let slots: Vec<(usize, Slot)> = open.filter_map(|&item| Some((item, wanted[item]?))).collect();
-    let mut pass = whole(begun.clone(), &slots).unwrap_or_else(|| in_turn(begun, &slots));
+    let whole = whole(begun.clone(), &slots, incumbent);
+    let mut pass = whole.unwrap_or_else(|| in_turn(begun, &slots));
     pass.look_again(problem.order());
     pass.finish(problem.order());
     pass
-}
-
-/// All at once, if that breaks nothing. One after the other would refuse some:
-/// with a part of them alone a sleep may end elsewhere.
-fn whole<'a>(mut pass: Pass<'a>, slots: &[(usize, Slot)]) -> Option<Pass<'a>> {
-    let base = pass.world.clone();
-    for &(item, slot) in slots {
-        let range = pass.range(item, slot)?;
-        pass.claims[item] = claim(pass.problem, item, slot.length());
-        pass.place(item, Slot { range, ..slot });
-    }
-    let alone = slots.iter().all(|&(item, slot)| pass.fits_beside(item, slot));
-    let derived = alone && keeps(pass.problem, (&pass.placed, &pass.world), &base);
-    let keeps = derived && pass.keeps_handover(slots, &base);
-    keeps.then(|| {
-        pass.owns_up(slots, &base);
-        pass
-    })
 }
 
 /// In the order of the pass, again and again: one may only fit when a later one
@@ -75,62 +57,6 @@ fn in_turn<'a>(mut pass: Pass<'a>, slots: &[(usize, Slot)]) -> Pass<'a> {
 }
 
 impl Pass<'_> {
-    /// The first range that admits it, if its group does, too.
-    fn range(&self, item: usize, slot: Slot) -> Option<usize> {
-        let it = &self.problem.items[item];
-        let (start, end) = (slot.start.get(), slot.end.get());
-        let from = if it.cleanup { self.problem.now } else { self.from };
-        let long = it.shortest..=if it.expanding { it.longest } else { it.shortest };
-        let free = self.group(item).is_ok() && from <= start && long.contains(&(end - start));
-        let admits = |range: &Range| (range.from..=range.to).contains(&start) && end <= range.last;
-        it.ranges.iter().position(admits).filter(|_| free)
-    }
-
-    /// Whether its priors are over, and it breaks nothing beside what is placed
-    /// of what does not depend on what is derived.
-    fn fits_beside(&mut self, item: usize, slot: Slot) -> bool {
-        let (start, end) = (slot.start.get(), slot.end.get());
-        let after = self.after(item).is_ok_and(|after| after <= start);
-        let apart = |block: &Block| end <= block.from || block.to <= start || start == end;
-        let claim = &self.claims[item];
-        self.timelines.remove(claim, slot.start);
-        let fits = !self.timelines.valid_starts(claim, (slot.start, slot.start)).is_empty();
-        self.timelines.insert(claim, slot.start);
-        after && fits && self.problem.blocks.iter().all(apart)
-    }
-
-    /// Whether no optional one breaks the minimum at handover: mandatory ones
-    /// may. Either it is not lower than with them alone, or the optional ones
-    /// alone keep it, and were placed before.
-    fn keeps_handover(&self, slots: &[(usize, Slot)], base: &World) -> bool {
-        let Some(at) = self.problem.handover else { return true };
-        let (charge, least) = (self.world.charge(at), self.problem.battery.handover);
-        let alone = |mandatory: bool| {
-            let mut placed = self.placed.clone();
-            let is_other = |item: usize| self.problem.items[item].mandatory != mandatory;
-            for &(item, slot) in slots.iter().filter(|slot| is_other(slot.0)) {
-                let (start, end) = (slot.start.get(), slot.end.get());
-                placed.remove(self.problem, Placement { item, start, end });
-            }
-            World::of(self.problem, &placed).charge(at)
-        };
-        charge >= least || charge >= alone(true) || alone(false) >= least.min(base.charge(at))
-    }
-
-    /// Where optional ones were placed before and keep the minimum at handover, it
-    /// is the mandatory ones that exceed it: the last of them says so.
-    fn owns_up(&mut self, slots: &[(usize, Slot)], base: &World) {
-        let Some(at) = self.problem.handover else { return };
-        let (charge, min) = (self.world.charge(at), self.problem.battery.handover);
-        let is_mandatory = |slot: &&(usize, Slot)| self.problem.items[slot.0].mandatory;
-        let listed = self.excess.iter().any(|one| one.limit == Limit::Handover);
-        let exceeds = charge < min && charge < base.charge(at) && !listed;
-        if let Some((item, _)) = slots.iter().rev().find(is_mandatory).filter(|_| exceeds) {
-            let (by, at) = (Some(self.id(*item)), Time::new(at));
-            self.excess.push(Excess { by, limit: Limit::Handover, at, amount: min - charge });
-        }
-    }
-
     /// As long as it was, if it can be. Whether it is longer now.
     fn lengthens(&mut self, item: usize, wanted: Slot) -> bool {
         let Some(slot) = self.slots[item] else { return false };
