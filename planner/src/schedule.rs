@@ -10,6 +10,7 @@ mod begin;
 mod expand;
 mod improve;
 mod keep;
+mod lean;
 pub(crate) mod place;
 mod unavoidable;
 mod worth;
@@ -24,6 +25,8 @@ use crate::problem::Problem;
 use crate::search::Effort;
 use crate::timed::{Excess, Reason, Slot, TimedPlan};
 use crate::timeline::{Claim, Timelines};
+
+use lean::Leaning;
 
 /// Plans.
 ///
@@ -53,7 +56,8 @@ pub fn schedule_in_order(
     order: &[usize],
     incumbent: Option<&TimedPlan>,
 ) -> (TimedPlan, Effort) {
-    Pass::new(problem, incumbent).run(order)
+    let pass = Pass::new(problem, incumbent).run(order);
+    (pass.answer(), pass.effort)
 }
 
 /// The same as [`schedule`] without an incumbent, the slow way: nothing that was
@@ -64,7 +68,8 @@ pub fn schedule_in_order(
 pub fn schedule_plainly(problem: &Problem) -> (TimedPlan, Effort) {
     let mut pass = Pass::new(problem, None);
     pass.plain = true;
-    pass.run(problem.order())
+    let pass = pass.run(problem.order());
+    (pass.answer(), pass.effort)
 }
 
 /// What is decided so far.
@@ -93,6 +98,10 @@ pub(crate) struct Pass<'a> {
     failed: Vec<u64>,
     /// Nothing that was derived is kept.
     plain: bool,
+    /// Where each activity starts if it can.
+    leanings: Vec<Leaning>,
+    /// Whether it is worked out what keeps those out that do not fit.
+    says_why: bool,
     pub(crate) effort: Effort,
 }
 
@@ -102,13 +111,13 @@ impl Pass<'_> {
         Rest { problem, placed, world, plain: *plain }
     }
 
-    fn run(mut self, order: &[usize]) -> (TimedPlan, Effort) {
+    fn run(mut self, order: &[usize]) -> Self {
         for &item in order {
             self.turn(item);
         }
         self.look_again(order);
         self.finish(order);
-        (self.answer(), self.effort)
+        self
     }
 
     /// Makes longer what can be, and tries again what that may have made room

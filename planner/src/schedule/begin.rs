@@ -10,6 +10,7 @@ use crate::timeline::{Claim, Timelines};
 use crate::units::{Span, Time};
 
 use super::Pass;
+use super::lean::Leaning;
 
 impl<'a> Pass<'a> {
     pub(crate) fn new(problem: &'a Problem, incumbent: Option<&TimedPlan>) -> Self {
@@ -33,6 +34,8 @@ impl<'a> Pass<'a> {
             version: 1,
             failed: vec![0; count],
             plain: false,
+            leanings: vec![Leaning::Earliest; count],
+            says_why: true,
             effort: Effort::default(),
         };
         pass.windows();

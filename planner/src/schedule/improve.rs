@@ -1,16 +1,19 @@
 //! Improvement with the time that is left: bounded repair that can be stopped
 //! at any moment, and never answers anything worse.
 //!
-//! The pass takes candidates in an order and each at its first chance, so the
-//! order is all that there is to change. Each round moves something that was
-//! left out before what may be in its way, or something that is in behind
-//! others, and runs the pass again. A round that is no better than the best
-//! one by more than chance is forgotten.
+//! The pass takes candidates in an order, and each at its earliest start. Both
+//! can be otherwise: who comes when, and where each [leans](Leaning) to. A round
+//! moves something that was left out before what may be in its way, or something
+//! that is in behind others, or has something start elsewhere, and runs the pass
+//! again. It is given up when it has left out more than the one that it was made
+//! from; one that comes to less all the same is forgotten, but for some by
+//! chance.
 
 use crate::draws::Draws;
 use crate::problem::Problem;
-use crate::timed::{Fate, TimedPlan};
+use crate::timed::TimedPlan;
 
+use super::lean::Leaning;
 use super::{Pass, Worth};
 
 /// How much may be tried, and by which dice.
@@ -47,7 +50,8 @@ pub struct Improved {
 /// # Timing
 ///
 /// `stop` is asked before each evaluation of a candidate, once there is a first
-/// plan: the one pass is never cut short.
+/// plan. A pass is never cut short that makes the first plan, or one that is
+/// known to be better.
 pub fn improve(
     problem: &Problem,
     incumbent: Option<&TimedPlan>,
@@ -59,136 +63,206 @@ pub fn improve(
         search.keep(incumbent);
     }
     // Nothing can be moved where there is nothing to choose from.
-    while search.order.len() > 1 && search.round(stop) {}
+    while search.found.turns.order.len() > 1 && search.round(stop) {}
     search.best
+}
+
+/// What a pass is run with.
+#[derive(Clone, Debug)]
+struct Turns {
+    /// Who comes when, of those that are still open.
+    order: Vec<usize>,
+    /// Where each activity leans to.
+    leanings: Vec<Leaning>,
+}
+
+/// What a pass came to.
+#[derive(Clone, Debug)]
+struct Found {
+    turns: Turns,
+    worth: Worth,
+    left_out: Vec<usize>,
 }
 
 /// A search, between two rounds.
 struct Search<'a> {
-    problem: &'a Problem,
-    incumbent: Option<&'a TimedPlan>,
+    /// What is decided before anybody's turn.
+    begun: Pass<'a>,
     budget: Budget,
     draws: Draws,
     best: Improved,
-    /// The order of the round that others are made from.
-    order: Vec<usize>,
-    /// What that one came to.
-    worth: Worth,
-    /// What it left out.
-    left_out: Vec<usize>,
+    /// What the next round is made from.
+    from: Found,
+    /// The best that a pass came to.
+    found: Found,
     /// Rounds since there was a better one.
     idle: u32,
-    best_order: Vec<usize>,
 }
 
-/// After so many rounds in vain the search goes on from the best order.
+/// After so many rounds in vain the search goes on from the best one.
 const PATIENCE: u32 = 60;
+/// So many rounds in a hundred may come to less than what they are made from.
+const DETOURS: usize = 3;
 
 impl<'a> Search<'a> {
     fn new(problem: &'a Problem, incumbent: Option<&'a TimedPlan>, budget: Budget) -> Self {
-        let order = problem.order().to_vec();
-        let (timed, effort) = super::schedule_in_order(problem, &order, incumbent);
-        let worth = Worth::of(problem, &timed);
-        let left_out = left_out(&order, &timed);
-        let evaluations = effort.candidates;
+        let begun = Pass::new(problem, incumbent);
+        let order = problem.order().iter().copied().filter(|&item| begun.is_open(item)).collect();
+        let turns = Turns { order, leanings: begun.leanings.clone() };
+        let pass = begun.clone().with(&turns);
+        let timed = pass.answer();
+        let found = Found::of(turns, &pass);
+        let (worth, evaluations) = (found.worth.clone(), pass.effort.candidates);
+        let best = Improved { timed, worth, evaluations, rounds: 1 };
         Self {
-            problem,
-            incumbent,
+            begun,
             budget,
             draws: Draws::new(budget.seed),
-            best: Improved { timed, worth: worth.clone(), evaluations, rounds: 1 },
-            best_order: order.clone(),
-            order,
-            worth,
-            left_out,
+            best,
+            from: found.clone(),
+            found,
             idle: 0,
         }
     }
 
     /// What the incumbent has, at its times, as far as that still fits.
     fn keep(&mut self, incumbent: &TimedPlan) {
-        let pass = super::keep::keep(self.problem, incumbent);
+        let pass = super::keep::keep(self.begun.problem, incumbent);
         self.best.evaluations += pass.effort.candidates;
-        self.consider(pass.answer());
+        let timed = pass.answer();
+        let worth = Worth::of(pass.problem, &timed);
+        if worth > self.best.worth {
+            (self.best.timed, self.best.worth) = (timed, worth);
+        }
     }
 
-    /// Another order. Whether there may be a further round.
+    /// Other turns. Whether there may be a further round.
     fn round(&mut self, stop: &mut dyn FnMut() -> bool) -> bool {
-        let order = self.neighbour();
-        let mut pass = Pass::new(self.problem, self.incumbent);
+        let turns = self.neighbour();
+        let detour = self.draws.percent(DETOURS);
+        let mut to_lose = (!detour).then(|| self.begun.value_of(&self.from.left_out));
+        let mut pass = self.begun.clone();
+        pass.leanings.clone_from(&turns.leanings);
+        pass.says_why = false;
         let left = self.budget.evaluations.saturating_sub(self.best.evaluations);
-        for &item in &order {
+        for &item in &turns.order {
             if pass.effort.candidates >= left || stop() {
                 self.best.evaluations += pass.effort.candidates;
                 return false;
             }
             pass.turn(item);
+            if let Some(value) = &mut to_lose
+                && pass.slots[item].is_none()
+            {
+                let Some(less) = value.checked_sub(pass.value_of(&[item])) else {
+                    self.best.evaluations += pass.effort.candidates;
+                    self.in_vain();
+                    return true;
+                };
+                *value = less;
+            }
         }
-        pass.look_again(&order);
-        pass.finish(&order);
+        pass.look_again(&turns.order);
+        pass.finish(&turns.order);
         self.best.evaluations += pass.effort.candidates;
         self.best.rounds += 1;
-        self.accept(order, pass.answer());
+        self.accept(Found::of(turns, &pass), detour);
         true
     }
 
-    /// Goes on from an order that is as good as the last one, or by chance from
-    /// one that is not.
-    fn accept(&mut self, order: Vec<usize>, timed: TimedPlan) {
-        let worth = Worth::of(self.problem, &timed);
-        if worth >= self.worth || self.draws.percent(3) {
-            self.left_out = left_out(&order, &timed);
-            self.order.clone_from(&order);
-            self.worth = worth;
+    /// Goes on from what is as good as the last one, and from a detour.
+    fn accept(&mut self, new: Found, detour: bool) {
+        if new.worth > self.best.worth {
+            self.best.timed = self.begun.clone().with(&new.turns).answer();
+            self.best.worth = new.worth.clone();
         }
-        self.idle += 1;
-        if self.consider(timed) {
-            self.best_order = order;
+        if new.worth > self.found.worth {
+            self.found = new.clone();
             self.idle = 0;
-        } else if self.idle.is_multiple_of(PATIENCE) {
-            self.order.clone_from(&self.best_order);
-            self.left_out = left_out(&self.order, &self.best.timed);
-            self.worth = self.best.worth.clone();
+            self.from = new;
+            return;
+        }
+        if detour || new.worth >= self.from.worth {
+            self.from = new;
+        }
+        self.in_vain();
+    }
+
+    fn in_vain(&mut self) {
+        self.idle += 1;
+        if self.idle.is_multiple_of(PATIENCE) {
+            self.from = self.found.clone();
         }
     }
 
-    /// Keeps it if it is the best so far.
-    fn consider(&mut self, timed: TimedPlan) -> bool {
-        let worth = Worth::of(self.problem, &timed);
-        let better = worth > self.best.worth;
-        if better {
-            (self.best.timed, self.best.worth) = (timed, worth);
-        }
-        better
-    }
-
-    /// The order with one to three things moved.
-    fn neighbour(&mut self) -> Vec<usize> {
-        let mut order = self.order.clone();
+    /// The turns with one to three things otherwise.
+    fn neighbour(&mut self) -> Turns {
+        let mut turns = self.from.turns.clone();
         for _ in 0..=self.draws.below(3) {
-            let count = order.len();
-            let out = self.left_out.len();
-            let (from, to) = if out > 0 && self.draws.percent(60) {
-                // One that was left out, to somewhere before where it was.
-                let item = self.left_out[self.draws.below(out)];
-                let from = order.iter().position(|&other| other == item).unwrap_or(0);
-                (from, self.draws.below(from + 1))
+            if self.draws.percent(50) {
+                self.lean(&mut turns);
             } else {
-                (self.draws.below(count), self.draws.below(count))
-            };
-            let item = order.remove(from);
-            order.insert(to, item);
+                self.reorder(&mut turns.order);
+            }
         }
         // An optional one that comes first would leave mandatory ones to break
         // the handover minimum that it was not to break itself.
-        order.sort_by_key(|&item| !self.problem.items[item].mandatory);
-        order
+        turns.order.sort_by_key(|&item| !self.begun.problem.items[item].mandatory);
+        turns
+    }
+
+    /// One of them leans elsewhere.
+    fn lean(&mut self, turns: &mut Turns) {
+        let item = turns.order[self.draws.below(turns.order.len())];
+        let ranges = &self.begun.problem.items[item].ranges;
+        turns.leanings[item] =
+            match (self.draws.below(4), ranges.get(self.draws.below(ranges.len()))) {
+                (0 | 1, Some(range)) => {
+                    Leaning::NotBefore(self.draws.between(range.from, range.to))
+                }
+                (2, _) => Leaning::Awake,
+                _ => Leaning::Earliest,
+            };
+    }
+
+    /// One of them has its turn at another place.
+    fn reorder(&mut self, order: &mut Vec<usize>) {
+        let (count, out) = (order.len(), self.from.left_out.len());
+        let (from, to) = if out > 0 && self.draws.percent(60) {
+            // One that was left out, somewhere before.
+            let item = self.from.left_out[self.draws.below(out)];
+            let from = order.iter().position(|&other| other == item).unwrap_or(0);
+            (from, self.draws.below(from + 1))
+        } else {
+            (self.draws.below(count), self.draws.below(count))
+        };
+        let item = order.remove(from);
+        order.insert(to, item);
     }
 }
 
-/// What of the order is not in.
-fn left_out(order: &[usize], timed: &TimedPlan) -> Vec<usize> {
-    let is_out =
-        |item: &usize| matches!(timed.rows.get(*item).map(|row| &row.fate), Some(Fate::Out(_)));
-    order.iter().copied().filter(is_out).collect()
+impl Found {
+    fn of(turns: Turns, pass: &Pass<'_>) -> Self {
+        let left_out = turns.order.iter().copied().filter(|&item| pass.is_open(item)).collect();
+        Self { worth: Worth::of(pass.problem, &pass.answer()), turns, left_out }
+    }
+}
+
+impl Pass<'_> {
+    /// Whether it is to be decided, and is not in.
+    fn is_open(&self, item: usize) -> bool {
+        self.slots[item].is_none() && self.problem.items[item].is_candidate()
+    }
+
+    /// What the optional ones of them are worth together.
+    fn value_of(&self, items: &[usize]) -> u128 {
+        let optional = items.iter().filter(|&&item| !self.problem.items[item].mandatory);
+        optional.map(|&item| u128::from(self.problem.plan.activities[item].worth())).sum()
+    }
+
+    /// The whole pass.
+    fn with(mut self, turns: &Turns) -> Self {
+        self.leanings.clone_from(&turns.leanings);
+        self.run(&turns.order)
+    }
 }

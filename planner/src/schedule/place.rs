@@ -47,7 +47,7 @@ impl Pass<'_> {
             Ok(slot) => self.place(item, slot),
             Err(why) => {
                 // What is in the way costs more than to see that something is.
-                if !self.is_reason_true(item) {
+                if self.says_why && !self.is_reason_true(item) {
                     self.reasons[item] = Some(self.reason(item, why));
                 }
                 self.failed[item] = self.version;
@@ -99,7 +99,9 @@ impl Pass<'_> {
             return Err((if none { Reason::NoRangeLeft } else { Reason::Committed }).into());
         };
         let mut effort = self.effort;
-        let start = self.first_fit(&self.trial(item), &left, &mut effort);
+        let leant = self.leant(item, &left);
+        let leant = leant.and_then(|some| self.first_fit(&self.trial(item), &some, &mut effort));
+        let start = leant.or_else(|| self.first_fit(&self.trial(item), &left, &mut effort));
         self.effort = effort;
         match start {
             Some(start) => Ok(self.slot(item, start)),
