@@ -62,6 +62,7 @@ pub use outlook::Outlook;
 pub use ready::NotReady;
 
 pub(crate) use handover::{begin_next, with_what_runs};
+pub(crate) use named::Values;
 pub(crate) use ready::Look;
 
 /// The control thread of one plan.
@@ -72,8 +73,7 @@ pub struct Control {
     options: Options,
     index: BTreeMap<ActivityId, usize>,
     state: State,
-    /// Values of named timelines, in thousandths.
-    named: BTreeMap<String, i64>,
+    named: Values,
     timed: TimedPlan,
     /// What is planned and has not started.
     planned: BTreeMap<ActivityId, Slot>,
@@ -136,7 +136,7 @@ impl Control {
         let now = state.now;
         let mut control = Self {
             index: book::index(&plan),
-            named: named::begin(&plan, &parameters, &state),
+            named: Values::begin(&plan, &parameters, &state),
             plan,
             parameters,
             options,

@@ -15,39 +15,45 @@ use crate::units::Time;
 
 const THOUSAND: i64 = 1_000;
 
-/// Where the state is silent: the initial value, with what running ones hold.
-pub(super) fn begin(plan: &Plan, parameters: &Parameters, state: &State) -> BTreeMap<String, i64> {
-    let running = |activity: &&Activity| state.running.iter().any(|one| one.id == activity.id);
-    let impacts = || plan.activities.iter().filter(running).flat_map(|one| &one.impacts);
-    let held = |name: &str| -> i64 {
-        let holds = impacts().filter(|impact| impact.timeline == name);
-        holds.map(|impact| if let Effect::Hold(amount) = impact.effect { amount } else { 0 }).sum()
-    };
-    let value = |name: &str, initial: i64| {
-        let known = state.timelines.get(name).copied();
-        known.unwrap_or_else(|| initial.saturating_add(held(name))).saturating_mul(THOUSAND)
-    };
-    let specs = parameters.timelines.iter();
-    specs.map(|spec| (spec.name.clone(), value(&spec.name, spec.initial))).collect()
-}
+/// Values of named timelines, in thousandths.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Values(BTreeMap<String, i64>);
 
-impl Control {
+impl Values {
+    /// Where the state is silent: the initial value, with what running ones hold.
+    pub(crate) fn begin(plan: &Plan, parameters: &Parameters, state: &State) -> Self {
+        let running = |activity: &&Activity| state.running.iter().any(|one| one.id == activity.id);
+        let impacts = || plan.activities.iter().filter(running).flat_map(|one| &one.impacts);
+        let held = |name: &str| -> i64 {
+            let holds = impacts().filter(|impact| impact.timeline == name);
+            holds
+                .map(|impact| if let Effect::Hold(amount) = impact.effect { amount } else { 0 })
+                .sum()
+        };
+        let value = |name: &str, initial: i64| {
+            let known = state.timelines.get(name).copied();
+            known.unwrap_or_else(|| initial.saturating_add(held(name))).saturating_mul(THOUSAND)
+        };
+        let specs = parameters.timelines.iter();
+        Self(specs.map(|spec| (spec.name.clone(), value(&spec.name, spec.initial))).collect())
+    }
+
     /// Time goes on: what runs changes timelines at its rates.
-    pub(super) fn pass(&mut self, now: Time) {
-        let ms = now.since(self.state.now).get();
-        let running = self.state.running.iter().filter(|running| running.paused.is_none());
+    pub(crate) fn pass(&mut self, plan: &Plan, state: &mut State, now: Time) {
+        let ms = now.since(state.now).get();
+        let running = state.running.iter().filter(|running| running.paused.is_none());
         let working: Vec<_> = running.map(|running| running.id).collect();
-        self.state.now = now;
+        state.now = now;
         for id in working {
-            self.change(id, |effect, value| match effect {
+            self.change(plan, state, id, |effect, value| match effect {
                 Effect::Rate(rate) => value.saturating_add(rate.saturating_mul(ms)),
                 _ => value,
             });
         }
     }
 
-    pub(super) fn changes_at_start(&mut self, id: ActivityId) {
-        self.change(id, |effect, value| match effect {
+    pub(crate) fn starts(&mut self, plan: &Plan, state: &mut State, id: ActivityId) {
+        self.change(plan, state, id, |effect, value| match effect {
             Effect::SetAtStart(to) => to.saturating_mul(THOUSAND),
             Effect::Hold(amount) | Effect::AddAtStart(amount) => {
                 value.saturating_add(amount.saturating_mul(THOUSAND))
@@ -56,8 +62,8 @@ impl Control {
         });
     }
 
-    pub(super) fn changes_at_end(&mut self, id: ActivityId) {
-        self.change(id, |effect, value| match effect {
+    pub(crate) fn ends(&mut self, plan: &Plan, state: &mut State, id: ActivityId) {
+        self.change(plan, state, id, |effect, value| match effect {
             Effect::SetAtEnd(to) => to.saturating_mul(THOUSAND),
             Effect::Hold(amount) => value.saturating_sub(amount.saturating_mul(THOUSAND)),
             Effect::AddAtEnd(amount) => value.saturating_add(amount.saturating_mul(THOUSAND)),
@@ -65,18 +71,41 @@ impl Control {
         });
     }
 
-    fn change(&mut self, id: ActivityId, change: impl Fn(Effect, i64) -> i64) {
-        let Some(place) = self.index.get(&id) else { return };
-        let Some(activity) = self.plan.activities.get(*place) else { return };
+    fn change(
+        &mut self,
+        plan: &Plan,
+        state: &mut State,
+        id: ActivityId,
+        change: impl Fn(Effect, i64) -> i64,
+    ) {
+        let Some(activity) = plan.activities.iter().find(|one| one.id == id) else { return };
         for impact in &activity.impacts {
-            let Some(value) = self.named.get_mut(&impact.timeline) else { continue };
+            let Some(value) = self.0.get_mut(&impact.timeline) else { continue };
             let changed = change(impact.effect, *value);
             if changed != *value {
                 *value = changed;
                 let shown = changed.div_euclid(THOUSAND);
-                self.state.timelines.insert(impact.timeline.clone(), shown);
+                state.timelines.insert(impact.timeline.clone(), shown);
             }
         }
+    }
+
+    fn get(&self, name: &str) -> i64 {
+        self.0.get(name).copied().unwrap_or(0)
+    }
+}
+
+impl Control {
+    pub(super) fn pass(&mut self, now: Time) {
+        self.named.pass(&self.plan, &mut self.state, now);
+    }
+
+    pub(super) fn changes_at_start(&mut self, id: ActivityId) {
+        self.named.starts(&self.plan, &mut self.state, id);
+    }
+
+    pub(super) fn changes_at_end(&mut self, id: ActivityId) {
+        self.named.ends(&self.plan, &mut self.state, id);
     }
 
     /// At its time: what it asks for is so now. Before its time, besides: nobody
@@ -84,7 +113,7 @@ impl Control {
     /// it must, and needs no projection.
     pub(super) fn timelines_agree(&self, activity: &Activity, early: bool) -> Result<(), Limit> {
         let holds = |name: &str, min: i64, max: i64| {
-            let value = self.named.get(name).copied().unwrap_or(0);
+            let value = self.named.get(name);
             min.saturating_mul(THOUSAND) <= value && value <= max.saturating_mul(THOUSAND)
         };
         let broken = activity.constraints.iter().find(|asked| {
@@ -103,7 +132,7 @@ impl Control {
             return false;
         };
         let spec = self.parameters.timelines.iter().find(|spec| spec.name == impact.timeline);
-        let value = self.named.get(&impact.timeline).copied().unwrap_or(0);
+        let value = self.named.get(&impact.timeline);
         let after = value.saturating_add(amount.saturating_mul(THOUSAND));
         spec.is_some_and(|spec| {
             amount > 0 && after > spec.max.saturating_mul(THOUSAND)

@@ -1,6 +1,7 @@
 //! An activity as a task.
 
 use faregate_scheduler::Mission;
+use faregate_scheduler::manager::limits::LATENESS;
 use faregate_scheduler::task::{
     Body, Dependency, Overrun, Preemption, Status as TaskStatus, Step, Task, TaskId,
 };
@@ -11,8 +12,8 @@ use super::generated::Generated;
 use super::translate::{Given, Held, devices, duration, hold_length};
 use super::{Misfit, library};
 use crate::plan::{Activity, Dependency as Prior, Kind, Outcome};
-use crate::timed::{Fate, Slot};
-use crate::units::Time;
+use crate::timed::{AwakePhase, Fate, Slot};
+use crate::units::{Span, Time};
 
 impl Given<'_> {
     pub(super) fn activity(
@@ -77,11 +78,31 @@ impl Given<'_> {
         Ok(Body::Sequence(steps.iter().filter(issued).cloned().collect()))
     }
 
-    /// Its range, and what a device that is still made safe may cost.
+    /// Its range, and what a device that is still made safe may cost; and while
+    /// the computer is planned to be up: when that lets go of its draw, whoever
+    /// waits for power would have it.
     fn closes(&self, activity: &Activity, slot: Slot) -> Time {
         let range = activity.starts.get(slot.range);
         let last = range.map_or(slot.start, |range| range.to.max(slot.start));
-        last.after(self.setting.parameters.handover_tolerance)
+        let last = last.after(self.setting.parameters.handover_tolerance);
+        let up = self.phase_of(slot).map_or(last, |phase| lets_go(phase.down));
+        last.min(up).max(slot.start)
+    }
+
+    /// The phase in which the computer is up for it: one that is late for it,
+    /// too.
+    pub(super) fn phase_of(&self, slot: Slot) -> Option<&AwakePhase> {
+        self.timed.awake.iter().find(|phase| slot.start < phase.down)
+    }
+
+    /// The task that wakes the computer for this phase, if it is to come.
+    pub(super) fn wakes(
+        phase: &AwakePhase,
+        held: &[(TaskId, Generated, Held)],
+    ) -> Option<Dependency> {
+        let wakes = |what: &Generated| matches!(what, Generated::Wakeup(up) if *up == phase.up);
+        let task = held.iter().find(|(_, what, _)| wakes(what)).map(|(id, ..)| *id)?;
+        Some(Dependency { task, status: TaskStatus::Succeeded })
     }
 
     fn cutoff(&self, activity: &Activity, slot: Slot, mandatory: bool) -> Time {
@@ -114,7 +135,8 @@ impl Given<'_> {
             last.map(|(_, task)| Dependency { task, status: TaskStatus::Succeeded })
         });
         let mut after: Vec<_> = priors.collect();
-        for one in heating {
+        let woken = self.phase_of(slot).and_then(|phase| Self::wakes(phase, held));
+        for one in heating.chain(woken) {
             if !after.contains(&one) {
                 after.push(one);
             }
@@ -139,6 +161,12 @@ impl Given<'_> {
         };
         Some(Dependency { task: TaskId::new(prior.prior.get())?, status })
     }
+}
+
+/// What holds for the computer ends a little before its planned end.
+const fn lets_go(down: Time) -> Time {
+    let early = LATENESS.as_micros().div_ceil(1_000).cast_signed();
+    down.before(Span::new(early.saturating_add(1)))
 }
 
 /// Whether the mission has these gates, and the plan counts their devices.

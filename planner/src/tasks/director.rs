@@ -17,7 +17,9 @@
 //! | something ended early, failed or did not start | what is planned next starts now, if nothing planned has to start later for it |
 //! | what cannot be paused loses its tickets | ABORTED: its task is removed, so that it does not run again; a new plan, with its cleanup |
 //! | heating is taken | the zone is cold: a new plan heats it from scratch |
-//! | a condition of what is planned does not hold | its task is held until it does |
+//! | a condition of what is planned does not hold, or its zone is cold | its task is held until that is otherwise |
+//! | what runs has not ended when the computer is to be shut down | the shutdown waits for it |
+//! | what runs has not ended when a manual shutdown begins, or the plan ends | its task is removed: ABORTED |
 //! | windows change; a period is over; something runs too long | a new plan |
 //! | handover | the next plan takes over, if it is there |
 //!
@@ -27,6 +29,7 @@
 
 mod adopt;
 mod early;
+mod guard;
 mod handover;
 mod heard;
 mod keep;
@@ -41,6 +44,7 @@ use faregate_tickets::amount::Microjoules;
 
 use super::generated::Numbers;
 use super::{Misfit, Setting};
+use crate::execute::Values;
 use crate::plan::{Activity, ActivityId};
 use crate::problem::Unfit;
 use crate::schedule::schedule;
@@ -59,7 +63,7 @@ pub struct Director {
     numbers: Numbers,
     /// Tasks that the manager has and that are not over, as they were given.
     live: BTreeMap<TaskId, Live>,
-    /// Tasks that wait for a condition.
+    /// Tasks that must not start yet.
     held: BTreeSet<TaskId>,
     wishes: BTreeSet<Why>,
     /// Tasks that were taken out before anybody knew that they had started.
@@ -75,6 +79,10 @@ pub struct Director {
     again_at: Option<Time>,
     period: Span,
     orders: Vec<Telecommand>,
+    /// What was told to end, and has not.
+    ending: BTreeSet<TaskId>,
+    /// Values of named timelines.
+    named: Values,
 }
 
 /// A task that the manager has.
@@ -111,6 +119,8 @@ impl Director {
     pub fn new(setting: Setting, state: State) -> Self {
         Self {
             numbers: Numbers::above(&setting.plan),
+            named: Values::begin(&setting.plan, &setting.parameters, &state),
+            ending: BTreeSet::new(),
             leaving: BTreeMap::new(),
             early: BTreeMap::new(),
             freed: false,
@@ -172,7 +182,6 @@ impl Director {
             Some(value) => self.state.variables.insert(name.to_owned(), value),
             None => self.state.variables.remove(name),
         };
-        self.hold_and_let_go();
     }
 
     /// A zone is not warm, though it should be: it is heated anew.
@@ -184,6 +193,11 @@ impl Director {
         self.wish(Why::ZoneCold);
     }
 
+    /// A zone that was found cold is warm, by its estimate.
+    pub fn zone_is_warm(&mut self, zone: &str) {
+        self.state.cold.retain(|one| one != zone);
+    }
+
     /// Plans anew if that is wanted, and says what the manager is to be told.
     ///
     /// # Timing
@@ -191,26 +205,33 @@ impl Director {
     /// runs.
     ///
     /// # Errors
-    /// [`NotPlanned`]: the present plan goes on.
+    /// [`NotPlanned`]: the present plan goes on. Where the manager is to be told
+    /// something all the same, that comes first, and this with the next turn.
     pub fn turn(&mut self, now: Time) -> Result<Vec<Telecommand>, NotPlanned> {
-        self.state.now = now;
+        self.pass(now);
         self.look_at_the_time();
         self.give_up_early_starts();
         self.start_early();
         let made = if self.is_planning_time() { self.plan_anew() } else { Ok(()) };
-        made.map(|()| std::mem::take(&mut self.orders))
+        self.hold_and_let_go();
+        // What must not start or go on is told whether there is a new plan or not.
+        match made {
+            Err(why) if self.orders.is_empty() => Err(why),
+            _ => Ok(std::mem::take(&mut self.orders)),
+        }
     }
 
     /// When to call [`Director::turn`], if nothing happens before.
     #[must_use]
     pub fn due(&self) -> Time {
         let periodic = self.planned_at.after(self.period);
-        let late = self.state.running.iter().filter(|one| one.paused.is_none());
+        let late = self.state.running.iter();
         let late = late.map(|one| one.ends.max(self.looked_at_again()));
         let early = self.early.values().map(|since| self.early_until(*since));
         let handover = (self.next_plan == NextPlan::Expected).then_some(self.setting.plan.handover);
         let handover = handover.filter(|at| *at > self.state.now);
         let others = early.chain(handover).chain([periodic]).chain(self.again_at);
+        let others = others.chain(self.last_end());
         late.chain(others).min().unwrap_or(periodic)
     }
 
@@ -242,26 +263,38 @@ impl Director {
         self.wishes.insert(why);
     }
 
-    /// Nobody plans in sleep; the first plan is made before. Who is about to
-    /// start early is planned around when it has started.
+    /// Nobody plans in sleep; the first plan is made before, and one where the
+    /// computer could not be woken as planned. Who is about to start early is
+    /// planned around when it has started.
     fn is_planning_time(&self) -> bool {
-        let is_up = self.state.mode == Mode::Awake && self.early.is_empty();
+        let could_not = self.again_at.is_some_and(|at| at <= self.state.now);
+        let can = (self.state.mode == Mode::Awake || could_not) && self.early.is_empty();
         let is_over = self.state.now >= self.setting.plan.end;
-        self.wishes.contains(&Why::First) || is_up && !is_over && !self.wishes.is_empty()
+        self.wishes.contains(&Why::First) || can && !is_over && !self.wishes.is_empty()
+    }
+
+    /// Time goes on: what runs changes timelines at its rates.
+    fn pass(&mut self, now: Time) {
+        self.named.pass(&self.setting.plan, &mut self.state, now);
     }
 
     fn look_at_the_time(&mut self) {
         let now = self.state.now;
+        self.end_what_must_not_run();
         if now >= self.planned_at.after(self.period) || self.again_at.is_some_and(|at| at <= now) {
             self.wish(Why::Periodic);
         }
         if now < self.looked_at_again() {
             return;
         }
-        let running = self.state.running.iter();
-        let too_long = running.filter(|one| one.paused.is_none() && one.ends <= now);
-        let too_long: Vec<_> = too_long.map(|one| one.id).collect();
-        too_long.into_iter().for_each(|id| self.wish(Why::Overran(id)));
+        // The computer stays up for what is paused, too.
+        let too_long = self.state.running.iter().filter(|one| one.ends <= now);
+        let too_long = too_long.map(|one| match one.paused {
+            Some(_) => Why::Tickets(one.id),
+            None => Why::Overran(one.id),
+        });
+        let too_long: Vec<_> = too_long.collect();
+        too_long.into_iter().for_each(|why| self.wish(why));
     }
 
     /// What runs past its planned end is planned to end by then.

@@ -85,8 +85,7 @@ impl Given<'_> {
 
     fn phase(&self, phase: &AwakePhase) -> Vec<(Generated, Held)> {
         let parameters = &self.setting.parameters;
-        let priority = self.priority_in(phase.wakeup, phase.asleep);
-        let held = |from, until, draw| Held { draw, priority, ..Held::over(from, until) };
+        let held = Held::by_computer;
         vec![
             (Generated::Wakeup(phase.up), held(phase.wakeup, phase.up, parameters.wakeup.load)),
             (Generated::Awake(phase.down), held(phase.up, phase.down, parameters.awake)),
@@ -103,8 +102,7 @@ impl Given<'_> {
         let Some(from) = block.starts.first().map(|range| range.from) else { return Vec::new() };
         let until = from.after(block.duration);
         let parameters = &self.setting.parameters;
-        let priority = Some(self.priority(block));
-        let held = |from, until, draw| Held { draw, priority, ..Held::over(from, until) };
+        let held = Held::by_computer;
         let down = from.after(shutdown);
         vec![
             (Generated::Shutdown(down), held(from, down, parameters.shutdown.load)),
@@ -133,17 +131,6 @@ impl Given<'_> {
             slot.start == heating.end && activity.zones.contains(&heating.zone)
         });
         self.most_important(users.map(|(activity, _)| activity)).unwrap_or_default()
-    }
-
-    /// That of the most important activity in the time, or nobody's: then a
-    /// communication window needs the computer.
-    fn priority_in(&self, from: Time, until: Time) -> Option<TaskPriority> {
-        let window = |start: Time, end: Time| start < until && from < end;
-        if self.windows.iter().any(|one| one.awake && window(one.start, one.end)) {
-            return None;
-        }
-        let inside = self.slots().filter(|(_, slot)| window(slot.start, slot.end));
-        Some(self.most_important(inside.map(|(activity, _)| activity)).unwrap_or_default())
     }
 
     fn most_important<'a>(
@@ -177,6 +164,12 @@ impl Held {
             engines: 0,
             gates: Vec::new(),
         }
+    }
+
+    /// The computer draws what it draws, whoever has the tickets for it: nobody
+    /// takes them.
+    fn by_computer(start: Time, end: Time, draw: Load) -> Self {
+        Self { draw, ..Self::over(start, end) }
     }
 
     /// How late it may begin.

@@ -6,7 +6,7 @@ use faregate_agents::Categories;
 use faregate_scheduler::Mission;
 use faregate_scheduler::manager::limits::LATENESS;
 use faregate_scheduler::task::{
-    Body, Overrun, Preemption, Task, TaskId, TaskPriority, When, Window as TaskWindow,
+    Body, Dependency, Overrun, Preemption, Task, TaskId, TaskPriority, When, Window as TaskWindow,
 };
 use faregate_scheduler::time::Duration;
 use faregate_tickets::amount::Milliwatts;
@@ -84,8 +84,12 @@ impl Given<'_> {
         if !wrong.is_empty() {
             return Err(wrong);
         }
-        let held = held.into_iter().map(|(id, what, one)| self.hold(id, &what, one));
-        tasks.extend(held.map(|task| with_engines(task, &engines)));
+        let after: Vec<_> = held.iter().map(|(_, what, _)| self.woken(what, &held)).collect();
+        let held = held.into_iter().zip(after).map(|((id, what, one), after)| {
+            let after = after.into_iter().collect();
+            with_engines(Task { after, ..self.hold(id, &what, one) }, &engines)
+        });
+        tasks.extend(held);
         Ok(tasks)
     }
 
@@ -97,6 +101,16 @@ impl Given<'_> {
         let held =
             held.iter().map(|(id, _, one)| Wish { id: *id, slot: one.slot, count: one.engines });
         activities.chain(held).collect()
+    }
+
+    /// A computer that was not woken is not up, and not shut down.
+    fn woken(&self, what: &Generated, held: &[(TaskId, Generated, Held)]) -> Option<Dependency> {
+        let phase = self.timed.awake.iter().find(|phase| match what {
+            Generated::Awake(down) => phase.down == *down,
+            Generated::Shutdown(asleep) => phase.asleep == *asleep,
+            Generated::Wakeup(_) | Generated::Heating(..) | Generated::Window(..) => false,
+        });
+        phase.and_then(|phase| Self::wakes(phase, held))
     }
 
     fn hold(&self, id: TaskId, what: &Generated, held: Held) -> Task {

@@ -2,6 +2,7 @@
 //! is planned, and what becomes of it comes back.
 #![expect(clippy::unwrap_used, reason = "what a test needs and does not get fails the test")]
 
+mod attacks;
 mod early;
 mod fits;
 mod handover;
@@ -9,5 +10,8 @@ mod handover;
 mod lamps;
 #[cfg(target_os = "linux")]
 mod onboard;
+mod small;
 mod sol;
+mod sooner;
 mod stage;
+mod tickets;

@@ -92,6 +92,8 @@ fn parameters() -> Parameters {
         commit: Span::new(50),
         handover_tolerance: Span::new(20),
         soft_samples: 1,
+        // Longer than the plan: the computer is up all the time.
+        min_awake: Span::from_mins(5),
         ..Parameters::default()
     }
 }

@@ -7,12 +7,11 @@ use faregate_scheduler::manager::{Addition, Telecommand};
 use faregate_scheduler::task::{Task, TaskId, When};
 
 use super::{Director, Live};
-use crate::plan::Condition;
 use crate::tasks::engines;
 use crate::tasks::generated::Generated;
 use crate::tasks::translate::Given;
 use crate::tasks::{Epoch, Misfit};
-use crate::timed::{Fate, TimedPlan};
+use crate::timed::{Fate, Reason, TimedPlan};
 use crate::units::Time;
 
 impl Director {
@@ -39,21 +38,24 @@ impl Director {
         self.wishes.clear();
         self.again_at = None;
         self.change_to(tasks);
-        self.hold_and_let_go();
         Ok(())
     }
 
     /// The timed plan that a new one is made from: what waits for its tickets
-    /// begins now, and not in the past.
+    /// begins now, and not in the past. What needs a zone that is cold does not
+    /// begin before that is heated again, be it committed or not.
     #[must_use]
     pub fn incumbent(&self) -> TimedPlan {
         let mut timed = self.timed.clone();
         for row in &mut timed.rows {
             let Fate::Scheduled(slot) = &mut row.fate else { continue };
-            let waits = TaskId::new(row.id.get()).is_some_and(|id| self.waits(id));
-            if waits && slot.start < self.state.now {
+            let Some(id) = TaskId::new(row.id.get()).filter(|id| self.waits(*id)) else { continue };
+            if slot.start < self.state.now {
                 slot.end = self.state.now.after(slot.length());
                 slot.start = self.state.now;
+            }
+            if self.activity(id).is_some_and(|one| self.uses_what_is_cold(one)) {
+                row.fate = Fate::Out(Reason::NoRangeLeft);
             }
         }
         timed
@@ -87,7 +89,9 @@ impl Director {
                 }
                 Some(_) if live.started => {}
                 Some(new) if self.stays(&live.task, new) => {}
-                Some(new) if differs_in_windows_alone(&live.task, new) => moved.push(*id),
+                Some(new) if self.waits_alike(&live.task, new) && alike(&live.task, new) => {
+                    moved.push(*id);
+                }
                 Some(_) => {
                     removed.insert(*id);
                 }
@@ -106,7 +110,7 @@ impl Director {
 
     /// What depends on something that leaves the schedule leaves it, too, and
     /// comes in again.
-    fn with_dependants(&self, removed: &mut BTreeSet<TaskId>) {
+    pub(super) fn with_dependants(&self, removed: &mut BTreeSet<TaskId>) {
         loop {
             let lost = |live: &Live| live.task.after.iter().any(|on| removed.contains(&on.task));
             let more: Vec<_> = self
@@ -125,7 +129,7 @@ impl Director {
     /// Dependants first: who loses what it waits for is taken out by the manager
     /// itself. One telecommand for each: one that is over by now is refused
     /// alone.
-    fn remove(&mut self, mut removed: BTreeSet<TaskId>) {
+    pub(super) fn remove(&mut self, mut removed: BTreeSet<TaskId>) {
         while !removed.is_empty() {
             let live = removed.iter().filter_map(|id| self.live.get(id));
             let priors: BTreeSet<_> =
@@ -174,8 +178,14 @@ impl Director {
         let is_same_time = start(old) == start(new) && closes(epoch, old) == closes(epoch, new);
         let is_soon = start(new) < now.after(self.setting.parameters.commit);
         let is_same = old.categories == new.categories
-            && (is_soon || (old.after == new.after && alike(old, new)));
+            && (is_soon || (self.waits_alike(old, new) && alike(old, new)));
         is_same_time && is_same
+    }
+
+    /// Whether it waits for the same: what it has waited for is over.
+    fn waits_alike(&self, old: &Task, new: &Task) -> bool {
+        let open = old.after.iter().filter(|on| self.live.contains_key(&on.task));
+        open.eq(&new.after)
     }
 
     pub(super) fn is_activity(&self, id: TaskId) -> bool {
@@ -184,28 +194,6 @@ impl Director {
 
     fn is_shutdown(&self, id: TaskId) -> bool {
         matches!(self.numbers.what(id), Some(Generated::Shutdown(_)))
-    }
-
-    /// Tasks of which a condition does not hold are held; it is looked at again
-    /// with each change of a variable.
-    pub(super) fn hold_and_let_go(&mut self) {
-        let waiting: Vec<_> =
-            self.live.iter().filter(|(_, live)| !live.started).map(|(id, _)| *id).collect();
-        for id in waiting {
-            let conditions = self.activity(id).map(|one| one.conditions.as_slice());
-            let holds = conditions.unwrap_or_default().iter().all(|one| self.holds(one));
-            if !holds && self.held.insert(id) {
-                self.orders.push(Telecommand::Hold(id));
-            } else if holds && self.held.remove(&id) {
-                self.orders.push(Telecommand::Resume(id));
-            }
-        }
-    }
-
-    /// An unknown variable satisfies nothing.
-    fn holds(&self, condition: &Condition) -> bool {
-        let value = self.state.variables.get(&condition.name);
-        value.is_some_and(|value| (condition.min..=condition.max).contains(value))
     }
 }
 
@@ -226,8 +214,4 @@ fn closes(epoch: Epoch, task: &Task) -> Time {
 fn alike(old: &Task, new: &Task) -> bool {
     Task { windows: Vec::new(), after: Vec::new(), ..old.clone() }
         == Task { windows: Vec::new(), after: Vec::new(), ..new.clone() }
-}
-
-fn differs_in_windows_alone(old: &Task, new: &Task) -> bool {
-    old.after == new.after && alike(old, new)
 }

@@ -42,7 +42,7 @@ impl Director {
         next: Result<Arc<Plan>, String>,
     ) -> Result<Vec<ActivityId>, String> {
         self.next_plan = NextPlan::None;
-        self.state.now = now;
+        self.pass(now);
         let next = next?;
         let merged = with_what_runs(&next, &self.setting.plan, &self.state)?;
         self.numbers_are_free(&next)?;

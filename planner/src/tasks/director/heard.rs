@@ -1,6 +1,8 @@
 //! What the manager tells, taken in.
 
-use faregate_scheduler::manager::{Note, Telecommand};
+use std::collections::BTreeSet;
+
+use faregate_scheduler::manager::Note;
 use faregate_scheduler::task::{Outcome as TaskOutcome, TaskId};
 
 use super::Director;
@@ -13,7 +15,7 @@ use crate::units::Time;
 impl Director {
     /// Something changed in the schedule.
     pub fn heard(&mut self, now: Time, note: &Note) {
-        self.state.now = now;
+        self.pass(now);
         match note {
             Note::Started(attempt) => self.started(attempt.occurrence.task),
             Note::Paused(attempt) => self.paused(attempt.occurrence.task),
@@ -75,12 +77,15 @@ impl Director {
 
     /// The tickets of something that cannot be paused were taken.
     fn lost(&mut self, id: TaskId) {
-        let Some(live) = self.live.remove(&id) else { return };
+        let Some(live) = self.live.get(&id) else { return };
         // The manager would run it again from the start, as long as it could
         // start.
         if live.closes >= self.state.now {
-            self.orders.push(Telecommand::Remove(vec![id]));
+            let mut gone = BTreeSet::from([id]);
+            self.with_dependants(&mut gone);
+            self.remove(gone);
         }
+        self.live.remove(&id);
         match self.numbers.what(id).cloned() {
             Some(what) => self.phase_lost(what),
             None => self.ends(id, Outcome::Aborted),
@@ -111,6 +116,7 @@ impl Director {
         let Some(live) = self.live.remove(&id) else { return };
         self.held.remove(&id);
         self.early.remove(&id);
+        self.ending.remove(&id);
         match self.numbers.what(id).cloned() {
             Some(what) if !live.started => self.phase_missed(&what),
             Some(what) => self.phase_over(what, outcome),

@@ -25,6 +25,7 @@ impl Director {
         let ends = now.after(slot.length());
         let running = Running { id, started: now, ends, cutoff, paused: None, data: Bytes::ZERO };
         self.state.running.push(running);
+        self.named.starts(&self.setting.plan, &mut self.state, id);
         for zone in zones {
             self.is_used(&zone);
         }
@@ -88,6 +89,7 @@ impl Director {
         // Until somebody says what it really was.
         let data = if outcome == Outcome::Succeeded { modelled } else { running.data };
         self.state.ended.push(Ended { id, outcome, started, ended, data });
+        self.named.ends(&self.setting.plan, &mut self.state, id);
         if ended.after(self.setting.parameters.handover_tolerance) < running.ends {
             self.freed = true;
             self.wish(Why::EndedEarly(id));
