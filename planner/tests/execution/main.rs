@@ -2,11 +2,13 @@
 //! aborts, and what it starts early.
 
 mod aborts;
+mod attacks;
 mod bench;
 mod computer;
 mod dispatch;
 mod early;
 mod handover;
+mod named;
 mod pauses;
 mod replans;
 mod silence;
