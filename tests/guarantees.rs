@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-const GUARANTEES: [&str; 23] = [
+const GUARANTEES: [&str; 24] = [
     "No Bypass",
     "Open Door",
     "Closed Door",
@@ -28,6 +28,7 @@ const GUARANTEES: [&str; 23] = [
     // The planner's.
     "Limits Kept",
     "No Activity Without Tickets",
+    "No Start Unready",
     // Of all that reads files.
     "All Mistakes At Once",
 ];
@@ -125,6 +126,79 @@ fn every_mutant_exists_is_named_and_is_killed_in_ci() {
         let manifest = read(&format!("{folder}/Cargo.toml"));
         assert!(manifest.contains(&format!("\n{feature} = ")), "{mutant} does not exist");
     }
+}
+
+/// The planner's mutants: name, file, what stands there, and the target and the
+/// test that see it.
+fn planner_mutants(table: &str) -> Vec<[&str; 5]> {
+    let lines = table.lines().filter(|line| !line.is_empty() && !line.starts_with('#'));
+    let lines: Vec<_> = lines.collect();
+    let mutants = lines.chunks(5).map(|lines| match *lines {
+        [name, file, from, _, test] => {
+            let from = from.strip_prefix("- ").expect("what stands there");
+            let test = test.strip_prefix("! ").and_then(|test| test.split_once(' '));
+            let (target, test) = test.expect("a target and a test");
+            [name, file.trim(), from, target, test]
+        }
+        _ => panic!("the last mutant is cut off: {lines:?}"),
+    });
+    mutants.collect()
+}
+
+/// The files that the tests of a target are in.
+fn tests_of(target: &str) -> String {
+    let place = match target {
+        "lib" => "planner/src".to_owned(),
+        "trust" => "planner/checker/tests/trust".to_owned(),
+        "rehearsal" | "broken" => format!("planner/rehearsal/tests/{target}.rs"),
+        _ => format!("planner/tests/{target}"),
+    };
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folder = root.join(&place);
+    if !folder.is_dir() {
+        let file = if place.ends_with(".rs") { place } else { format!("{place}.rs") };
+        return read(&file);
+    }
+    all_in(&folder)
+}
+
+fn all_in(folder: &Path) -> String {
+    let entries = std::fs::read_dir(folder).expect("it can be read");
+    let paths = entries.map(|entry| entry.expect("it can be read").path());
+    let text = |path: std::path::PathBuf| {
+        if path.is_dir() {
+            all_in(&path)
+        } else {
+            std::fs::read_to_string(path).unwrap_or_default()
+        }
+    };
+    paths.map(text).collect()
+}
+
+#[test]
+fn every_mutant_of_the_planner_breaks_a_line_that_is_there_and_names_a_test_that_is() {
+    let table = read("ci/lib/planner-mutants.txt");
+    let mutants = planner_mutants(&table);
+    let mut names = std::collections::BTreeSet::new();
+    for [name, file, from, target, test] in &mutants {
+        assert!(names.insert(*name), "two mutants have the name '{name}'");
+        assert_eq!(read(file).matches(from).count(), 1, "'{name}': '{from}' in {file}");
+        let test = test.rsplit("::").next().unwrap_or_default();
+        let tests = tests_of(target);
+        assert!(tests.contains(&format!("fn {test}(")), "'{name}': no {test} in {target}");
+    }
+    assert!(mutants.len() > 100, "only {} were found", mutants.len());
+    let page = page();
+    let mut named = 0;
+    for command in quoted(&page).filter_map(|word| word.strip_prefix("ci/mutants.sh ")) {
+        let words = command.replace('\n', " ");
+        for name in words.split('"').skip(1).step_by(2) {
+            let name = name.split_whitespace().collect::<Vec<_>>().join(" ");
+            assert!(names.contains(name.as_str()), "there is no mutant '{name}'");
+            named += 1;
+        }
+    }
+    assert!(named > 10, "only {named} were found: has the page another form now?");
 }
 
 #[test]
