@@ -155,6 +155,30 @@ fn an_early_start_for_which_another_one_starts_later() {
     });
 }
 
+/// The same, where it is power that there is for one of them alone.
+#[test]
+fn an_early_start_for_which_another_one_lacks_power() {
+    let fixed = StartRange { from: min(60), to: min(60), cutoff: min(80) };
+    let drawing = |one| Activity { resources: Categories::NONE, peak: watts(100), ..one };
+    let second = Activity { starts: vec![fixed], ..drawing(activity(2)) };
+    let third = Activity { duration: Span::from_mins(60), ..drawing(activity(3)) };
+    let mut setup = setup(vec![drawing(activity(1)), second, third]);
+    setup.options = Options { replans: false, ..setup.options };
+    setup.state.mode = faregate_planner::state::Mode::Awake;
+    let parameters = Parameters::clone(&setup.parameters);
+    let peak_limit = parameters.awake.peak.saturating_add(watts(199));
+    let min_sleep = Span::from_mins(300);
+    setup.parameters = Arc::new(Parameters { min_sleep, peak_limit, ..parameters });
+    setup.draws.set(id(1), early(500));
+    is_caught(&setup, Rule::EarlyBeside, |plan, _| {
+        plan.activities.iter_mut().for_each(|one| one.peak = Milliwatts::ZERO);
+    });
+}
+
+const fn watts(watts: u32) -> Milliwatts {
+    Milliwatts::from_watts(watts)
+}
+
 #[test]
 fn a_nap_that_is_not_worth_it() {
     let fixed = StartRange { from: min(62), to: min(62), cutoff: min(90) };

@@ -77,15 +77,15 @@ impl Walk<'_> {
         let (working, windows): (Vec<_>, Vec<_>) = (working.collect(), windows.collect());
         let shares = working.iter().any(|other| other.resources.overlaps(activity.resources))
             || windows.iter().any(|window| window.resources.overlaps(activity.resources));
-        let engines = working.iter().map(|other| other.engines).sum::<u32>()
-            + windows.iter().map(|window| window.engines).sum::<u32>();
+        let engines = working.iter().map(|other| u64::from(other.engines)).sum::<u64>()
+            + windows.iter().map(|window| u64::from(window.engines)).sum::<u64>();
+        let (mine, most) = (u64::from(activity.engines), u64::from(self.parameters.engines));
         if shares {
             self.blame(Rule::RanResources, activity.id, "");
         }
-        if activity.engines > 0 && engines + activity.engines > self.parameters.engines {
-            let used = engines + activity.engines;
+        if mine > 0 && engines + mine > most {
             let violation = Violation::new(Rule::RanEngines, Some(activity.id), self.now);
-            self.say(violation.by(used - self.parameters.engines));
+            self.say(violation.by(engines + mine - most));
         }
     }
 

@@ -62,8 +62,8 @@ impl Early<'_> {
         self.plan.activities.iter().find(|activity| activity.id == id)
     }
 
-    /// Whoever starts while it runs finds its bits free, and engines left. Its
-    /// end may overlap by what a start may be late.
+    /// Whoever starts while it runs finds its bits free, and engines and power
+    /// left. Its end may overlap by what a start may be late.
     fn beside(&self, now: Time, dispatch: &Dispatch) -> Option<Violation> {
         let mine = self.activity(dispatch.id)?;
         let until = dispatch.ends.before(self.parameters.handover_tolerance);
@@ -71,22 +71,47 @@ impl Early<'_> {
             self.planned.iter().filter(|(_, slot)| now < slot.start && slot.start < until);
         let (other, why) = starts.find_map(|(id, slot)| {
             let other = self.activity(*id)?;
-            let shares = other.resources.overlaps(mine.resources);
-            let engines = self.engines_at(now, slot.start).saturating_add(mine.engines);
-            let lacks = mine.engines > 0 && other.engines > 0 && engines > self.parameters.engines;
-            (shares || lacks).then_some((id, if shares { "a bit" } else { "engines" }))
+            self.lacks(mine, other, now, slot.start).map(|what| (id, what))
         })?;
         let violation = Violation::new(Rule::EarlyBeside, Some(dispatch.id), now.get());
         Some(violation.detail(format!("{other}, for want of {why}")))
     }
 
-    /// Engines of what is planned to run then. Who is due and waits is late
-    /// already, whoever starts.
-    fn engines_at(&self, now: Time, at: Time) -> u32 {
-        let planned = self.planned.iter().filter(|(_, slot)| now < slot.start);
-        let planned = planned.filter(|(_, slot)| slot.start <= at && at < slot.end);
-        let running = self.runs.iter().filter(|(_, ends)| at < **ends);
+    /// What another one lacks that is to start then.
+    fn lacks(
+        &self,
+        mine: &Activity,
+        other: &Activity,
+        now: Time,
+        at: Time,
+    ) -> Option<&'static str> {
+        let both = |of: fn(&Activity) -> u64| of(mine) > 0 && of(other) > 0;
+        let sum = |of: fn(&Activity) -> u64| {
+            let others = self.at(now, at).map(|one| u128::from(of(one)));
+            others.sum::<u128>() + u128::from(of(mine))
+        };
+        let engines = |one: &Activity| u64::from(one.engines);
+        let peak = |one: &Activity| one.peak.get();
+        // Windows and heating draw besides: this is the least that is drawn.
+        let drawn = sum(peak) + u128::from(self.parameters.awake.peak.get());
+        if other.resources.overlaps(mine.resources) {
+            Some("a bit")
+        } else if both(engines) && sum(engines) > self.parameters.engines.into() {
+            Some("engines")
+        } else if both(peak) && drawn > self.parameters.peak_limit.get().into() {
+            Some("power")
+        } else {
+            None
+        }
+    }
+
+    /// What is planned to run then. Who is due and waits is late already, whoever
+    /// starts.
+    fn at(&self, now: Time, at: Time) -> impl Iterator<Item = &Activity> {
+        let planned = self.planned.iter().filter(move |(_, slot)| now < slot.start);
+        let planned = planned.filter(move |(_, slot)| slot.start <= at && at < slot.end);
+        let running = self.runs.iter().filter(move |(_, ends)| at < **ends);
         let ids = planned.map(|(id, _)| id).chain(running.map(|(id, _)| id));
-        ids.filter_map(|id| self.activity(*id)).map(|one| one.engines).sum()
+        ids.filter_map(|id| self.activity(*id))
     }
 }
