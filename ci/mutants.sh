@@ -44,26 +44,19 @@ target() {
     esac
 }
 
-# Less is compiled than optimised: the crate is compiled for each mutant. Where
-# thousands of worlds are tried, a little optimising is worth it.
-level() {
-    case $1 in
-    lib | trust | timelines | improve | plainly | rehearsal | broken) echo 1 ;;
-    *) echo 0 ;;
-    esac
-}
+# Less is compiled than optimised: the crate is compiled for each mutant.
+quick=()
+for crate in planner checker rehearsal; do
+    quick+=(--config "profile.dev.package.faregate-$crate.opt-level=0")
+done
 
 # Runs these tests of a target in the copy.
 tests() {
-    local target=$1 package level
+    local target=$1 package
     shift
     read -ra package <<<"$(target "$target")"
-    level=$(level "$target")
     (cd "$tree" && timeout "$patience" cargo test --locked --quiet "${package[@]}" \
-        --config "profile.dev.package.faregate-planner.opt-level=$level" \
-        --config "profile.dev.package.faregate-checker.opt-level=$level" \
-        --config "profile.dev.package.faregate-rehearsal.opt-level=$level" \
-        -- --exact "$@" 2>&1)
+        "${quick[@]}" -- --exact "$@" 2>&1)
 }
 
 wanted() {
