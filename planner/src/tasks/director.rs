@@ -26,6 +26,8 @@
 //! The manager decides by priorities alone. Limits of charge and data hold
 //! because the plan keeps them: what the manager starts is what is planned, when
 //! it is planned or, where tickets come late, before its start range closes.
+//! Where the charge is lower than planned, what draws is removed at the hard
+//! limit, and what is optional below the soft one.
 
 mod adopt;
 mod early;
@@ -33,6 +35,7 @@ mod guard;
 mod handover;
 mod heard;
 mod keep;
+mod told;
 
 use core::fmt;
 use std::collections::{BTreeMap, BTreeSet};
@@ -40,18 +43,17 @@ use std::sync::Arc;
 
 use faregate_scheduler::manager::Telecommand;
 use faregate_scheduler::task::{Task, TaskId};
-use faregate_tickets::amount::Microjoules;
 
 use super::generated::Numbers;
 use super::{Misfit, Setting};
 use crate::execute::Values;
-use crate::plan::{Activity, ActivityId};
+use crate::plan::Activity;
 use crate::problem::Unfit;
 use crate::schedule::schedule;
-use crate::state::{Mode, State, Window};
+use crate::state::{Mode, State};
 use crate::timed::TimedPlan;
 use crate::trace::Why;
-use crate::units::{Bytes, Span, Time};
+use crate::units::{Span, Time};
 use crate::{Plan, Problem};
 
 /// Has a plan executed by the schedule manager.
@@ -81,6 +83,10 @@ pub struct Director {
     orders: Vec<Telecommand>,
     /// What was told to end, and has not.
     ending: BTreeSet<TaskId>,
+    /// Estimates of the charge in a row below the soft limit.
+    below_soft: u32,
+    /// The hard limit was reached, and the charge has not recovered.
+    spent: bool,
     /// Values of named timelines.
     named: Values,
 }
@@ -121,6 +127,8 @@ impl Director {
             numbers: Numbers::above(&setting.plan),
             named: Values::begin(&setting.plan, &setting.parameters, &state),
             ending: BTreeSet::new(),
+            below_soft: 0,
+            spent: false,
             leaving: BTreeMap::new(),
             early: BTreeMap::new(),
             freed: false,
@@ -150,52 +158,6 @@ impl Director {
     #[must_use]
     pub fn never_early(self) -> Self {
         Self { starts_early: false, ..self }
-    }
-
-    /// What the sensors say of the battery.
-    pub fn charge(&mut self, charge: Microjoules) {
-        self.state.charge = charge.min(self.state.capacity);
-    }
-
-    /// What an activity has really added to the data on board by now.
-    pub fn data(&mut self, id: ActivityId, data: Bytes) {
-        if let Some(running) = self.state.running.iter_mut().find(|one| one.id == id) {
-            running.data = data;
-        } else if let Some(ended) = self.state.ended.iter_mut().find(|one| one.id == id) {
-            ended.data = data;
-        }
-    }
-
-    /// The communication windows are these. Those that are over stay known,
-    /// listed or not: what was sent in them is on board no more.
-    pub fn windows(&mut self, windows: Vec<Window>) {
-        let known = self.state.windows.clone();
-        self.state.queried(windows);
-        if self.state.windows != known {
-            self.wish(Why::Windows);
-        }
-    }
-
-    /// A variable's value; none: nobody knows it any more.
-    pub fn variable(&mut self, name: &str, value: Option<i64>) {
-        match value {
-            Some(value) => self.state.variables.insert(name.to_owned(), value),
-            None => self.state.variables.remove(name),
-        };
-    }
-
-    /// A zone is not warm, though it should be: it is heated anew.
-    pub fn zone_is_cold(&mut self, zone: &str) {
-        self.state.heating.remove(zone);
-        if !self.state.cold.iter().any(|one| one == zone) {
-            self.state.cold.push(zone.to_owned());
-        }
-        self.wish(Why::ZoneCold);
-    }
-
-    /// A zone that was found cold is warm, by its estimate.
-    pub fn zone_is_warm(&mut self, zone: &str) {
-        self.state.cold.retain(|one| one != zone);
     }
 
     /// Plans anew if that is wanted, and says what the manager is to be told.

@@ -6,7 +6,7 @@ use faregate_agents::Categories;
 use faregate_planner::execute::{Action, Event, NotReady, Options};
 use faregate_planner::plan::{Kind, Outcome, StartRange};
 use faregate_planner::state::{Mode, Window};
-use faregate_planner::timed::{Limit, TimedPlan};
+use faregate_planner::timed::Limit;
 use faregate_planner::trace::Cause;
 use faregate_planner::units::{Bytes, Ppm, Span};
 use faregate_planner::{Activity, Parameters, Plan};
@@ -182,7 +182,7 @@ fn tickets_that_come_unasked_start_nothing() {
     bench.event(min(6), Event::Granted(id(1)));
     assert_eq!(bench.control.state().running.len(), 1);
     bench.tick(min(20));
-    bench.event(min(20), Event::Adopt(Box::new(TimedPlan::default())));
+    bench.event(min(20), Event::Adopt(Box::default()));
     bench.event(min(20), Event::Granted(id(2)));
     assert!(!bench.runs(2), "a plan without it has come in between");
 }

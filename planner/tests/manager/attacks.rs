@@ -7,9 +7,8 @@ use std::sync::Arc;
 use faregate_planner::plan::{
     Dependency, Effect, Impact, Kind, Outcome, StartRange, Status, Variable,
 };
-use faregate_planner::state::{Mode, Window};
-use faregate_planner::tasks::NotPlanned;
-use faregate_planner::timed::{AwakePhase, Fate, TimedPlan};
+use faregate_planner::state::Mode;
+use faregate_planner::timed::{Fate, TimedPlan};
 use faregate_planner::units::{Span, Time};
 use faregate_planner::{Activity, Plan, State};
 use faregate_scheduler::manager::{Exit, Note, Telecommand};
@@ -20,11 +19,11 @@ use crate::small::{activity, bit, end_of, morning, outside, plan, setting_of, sm
 use crate::stage::{Fates, Stage, adding, clock, ends_after, id, setting, state, task_id};
 
 /// It ends in the night, if nobody ends it before.
-fn for_ever() -> Fates {
+pub(crate) fn for_ever() -> Fates {
     Fates::from([(1, ends_after(900, Exit::Code(0)))])
 }
 
-fn mandatory(activity: Activity) -> Activity {
+pub(crate) fn mandatory(activity: Activity) -> Activity {
     Activity { priority: 150, ..activity }
 }
 
@@ -33,7 +32,7 @@ fn cut_off_at(at: Time, activity: Activity) -> Activity {
     Activity { starts, ..activity }
 }
 
-fn outcome(stage: &Stage, number: u32) -> Option<Outcome> {
+pub(crate) fn outcome(stage: &Stage, number: u32) -> Option<Outcome> {
     let ended = stage.director.state().ended.iter().find(|ended| ended.id == id(number));
     ended.map(|ended| ended.outcome)
 }
@@ -293,67 +292,4 @@ fn a_condition_that_stops_holding_at_the_instant_of_the_start_is_in_time() {
     stage.director.variable("drive_permitted", Some(1));
     stage.until(clock(10, 21));
     assert_eq!(stage.start_of(1), Some(clock(10, 20)));
-}
-
-/// A zone is found cold while no new plan can be made.
-#[test]
-fn what_must_not_start_is_held_though_there_is_no_new_plan() {
-    let one = Activity { zones: vec!["mast".into()], ..activity(1, 8, clock(11, 30)) };
-    let mut stage = small(vec![one], Fates::new());
-    stage.until(clock(11, 29));
-    let (mut director, now) = (stage.director.clone(), clock(11, 29));
-    let over_before_it_begins = Window {
-        name: "nonsense".into(),
-        start: clock(15, 0),
-        end: clock(14, 0),
-        awake: true,
-        marginal: Milliwatts::ZERO,
-        peak: Milliwatts::ZERO,
-        data: Default::default(),
-        engines: 0,
-        resources: bit(3),
-    };
-    director.windows(vec![over_before_it_begins]);
-    director.zone_is_cold("mast");
-    let orders = director.turn(now).expect("there is something to be told");
-    assert_eq!(orders, [Telecommand::Hold(task_id(1))]);
-    assert!(matches!(director.turn(now), Err(NotPlanned::Unfit(_))), "and this besides");
-    director.zone_is_warm("mast");
-    assert_eq!(director.turn(now).expect("so it is"), [Telecommand::Resume(task_id(1))]);
-}
-
-/// Its resource is taken for an hour, and its tickets are to come back.
-#[test]
-fn the_computer_stays_up_for_what_is_paused() {
-    let one = Activity { pausable: true, resources: bit(4), ..activity(1, 20, clock(10, 10)) };
-    let mut stage = small(vec![one], Fates::new());
-    stage.until(clock(10, 15));
-    stage.command(vec![adding(Task { categories: bit(4), ..outside(clock(10, 15), 60) })]);
-    for minute in 16..=74 {
-        let now = clock(10, minute);
-        stage.until(now);
-        let up = |phase: &AwakePhase| phase.up <= now && now < phase.down;
-        assert!(stage.director.timed().awake.iter().any(up), "at {now}");
-    }
-    stage.until(clock(13, 0));
-    let end = end_of(&stage, 1).expect("it goes on");
-    assert!(end >= clock(11, 29), "the pause is not counted");
-    assert!(stage.starts_of_task("shutdown").iter().all(|at| *at >= end));
-    assert_eq!(stage.refused(), [""; 0]);
-}
-
-/// The ground wants the computer off, and something has not ended.
-#[test]
-fn nothing_runs_on_into_a_manual_shutdown() {
-    let five = Span::from_mins(5);
-    let (begin, end) = (clock(11, 0), clock(12, 0));
-    let kind = Kind::ManualShutdown { shutdown: five, wakeup: five };
-    let starts = vec![StartRange { from: begin, to: begin, cutoff: end }];
-    let block = Activity { kind, starts, ..activity(9, 60, begin) };
-    let long = mandatory(activity(1, 8, clock(10, 50)));
-    let mut stage = small(vec![long, block], for_ever());
-    stage.until(clock(14, 0));
-    assert_eq!(stage.refused(), [""; 0]);
-    assert_eq!((end_of(&stage, 1), outcome(&stage, 1)), (Some(begin), Some(Outcome::Aborted)));
-    assert_eq!(stage.starts_of_task("shutdown").first(), Some(&begin));
 }

@@ -8,6 +8,7 @@ mod fits;
 mod handover;
 #[cfg(target_os = "linux")]
 mod lamps;
+mod limits;
 #[cfg(target_os = "linux")]
 mod onboard;
 mod small;

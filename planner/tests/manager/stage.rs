@@ -105,6 +105,8 @@ pub(crate) struct Stage {
     executive: VirtualExecutive<Ears>,
     ears: Ears,
     commands: u64,
+    /// What the sensors say of the charge, where it is not as planned.
+    pub(crate) measured: Option<Microjoules>,
     /// The projection of the plan that is executed: the battery does as planned.
     planned: Projection,
     /// Everything that happened, in the plan's time.
@@ -131,8 +133,19 @@ impl Stage {
         let executive = VirtualExecutive::new(mission, begin, bodies, ears.clone());
         let director = Director::new(setting.clone(), state);
         let (planned, story, plans) = (Projection::default(), Vec::new(), Vec::new());
-        let names = BTreeMap::new();
-        Self { setting, director, executive, ears, commands: 0, planned, story, names, plans }
+        let (names, commands, measured) = (BTreeMap::new(), 0, None);
+        Self {
+            setting,
+            director,
+            executive,
+            ears,
+            commands,
+            measured,
+            planned,
+            story,
+            names,
+            plans,
+        }
     }
 
     /// Executes until then.
@@ -222,7 +235,7 @@ impl Stage {
                 self.director.heard(at, &note);
                 self.story.push((at, note));
             }
-            self.director.charge(self.charge_at(now));
+            self.director.charge(self.measured.unwrap_or_else(|| self.charge_at(now)));
             let made_from = self.director.timed().clone();
             let orders = self.director.turn(now).unwrap();
             if *self.director.timed() != made_from {

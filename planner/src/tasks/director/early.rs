@@ -79,7 +79,7 @@ impl Director {
         let waits = live.task.after.iter().any(|on| self.live.contains_key(&on.task));
         let (plan, parameters) = (&*self.setting.plan, &*self.setting.parameters);
         let (timed, warm) = (&self.timed, &|zone: &str| self.is_warm(zone));
-        let look = Look { plan, parameters, state, timed, planned, warm, spent: false };
+        let look = Look { plan, parameters, state, timed, planned, warm, spent: self.spent };
         let ready = look.ready(id, slot, true).ok().filter(|_| !waits);
         ready.filter(|ready| ready.range == slot.range)
     }

@@ -6,8 +6,9 @@ use faregate_scheduler::task::TaskId;
 use super::Director;
 use super::adopt::start_of;
 use crate::plan::{Activity, Condition, Kind};
+use crate::state::Running;
 use crate::tasks::generated::Generated;
-use crate::units::Time;
+use crate::units::{Ppm, Time};
 
 impl Director {
     /// Tasks that must not start are held, for as long as that is so.
@@ -27,7 +28,10 @@ impl Director {
     }
 
     fn may_start(&self, activity: &Activity) -> bool {
-        activity.conditions.iter().all(|one| self.holds(one)) && !self.uses_what_is_cold(activity)
+        let recovered = !self.spent || activity.marginal.is_zero();
+        recovered
+            && activity.conditions.iter().all(|one| self.holds(one))
+            && !self.uses_what_is_cold(activity)
     }
 
     /// An unknown variable satisfies nothing.
@@ -70,18 +74,45 @@ impl Director {
     }
 
     /// In the ground's own shutdowns and after the plan's end nothing runs,
-    /// whatever its own cutoff is: that may be one of the plan before.
+    /// whatever its own cutoff is: that may be one of the plan before. Nor does
+    /// what the charge does not allow.
     pub(super) fn end_what_must_not_run(&mut self) {
         let now = self.state.now;
         let is_down = self.blocks().any(|(from, _, until)| from <= now && now < until);
-        if !is_down && now < self.setting.plan.end {
-            return;
-        }
-        for running in &self.state.running {
-            let Some(id) = TaskId::new(running.id.get()) else { continue };
+        let is_over = is_down || now >= self.setting.plan.end;
+        let running = self.state.running.iter();
+        let over = running.filter(|one| is_over || self.drains_too_much(one));
+        let over: Vec<_> = over.filter_map(|one| TaskId::new(one.id.get())).collect();
+        for id in over {
             if self.ending.insert(id) {
                 self.orders.push(Telecommand::Remove(vec![id]));
             }
         }
+    }
+
+    /// At the hard limit whatever draws, and what is optional below the soft one.
+    fn drains_too_much(&self, running: &Running) -> bool {
+        let mut all = self.setting.plan.activities.iter();
+        let Some(activity) = all.find(|one| one.id == running.id) else { return false };
+        let parameters = &self.setting.parameters;
+        let draws = running.paused.is_none() && !activity.marginal.is_zero();
+        let optional = activity.priority < parameters.mandatory_from;
+        let soft = optional && self.below_soft >= parameters.soft_samples.max(1);
+        draws && (soft || self.is_below(parameters.hard_min_soc))
+    }
+
+    /// Whether the estimated charge is below this part of the capacity.
+    fn is_below(&self, limit: Ppm) -> bool {
+        let charge = i128::from(self.state.charge.get()) * 1_000_000;
+        charge < i128::from(limit.get()) * i128::from(self.state.capacity.get())
+    }
+
+    /// Since it was below the hard limit, the charge has not come back to the soft
+    /// one.
+    pub(super) fn judge_charge(&mut self) {
+        let parameters = &self.setting.parameters;
+        let low = self.is_below(parameters.soft_min_soc);
+        self.spent = low && (self.spent || self.is_below(parameters.hard_min_soc));
+        self.below_soft = if low { self.below_soft.saturating_add(1) } else { 0 };
     }
 }

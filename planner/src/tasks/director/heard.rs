@@ -157,7 +157,7 @@ impl Director {
         self.early.remove(&id);
         match self.numbers.what(id).cloned() {
             Some(what) => self.phase_missed(&what),
-            None if live.task.after.is_empty() => {
+            None if live.task.after.iter().all(|on| self.live.contains_key(&on.task)) => {
                 if let Some(activity) = self.activity(id) {
                     self.gives_up(activity.id);
                 }
