@@ -30,9 +30,10 @@ done
 
 tree=$PWD/target/mutants/tree logs=$PWD/target/mutants
 export CARGO_TARGET_DIR=${MUTANTS_TARGET_DIR:-$PWD/target/mutants/build}
-export RUST_BACKTRACE=0 CARGO_PROFILE_DEV_DEBUG=0 CARGO_INCREMENTAL=0
+export RUST_BACKTRACE=0 CARGO_PROFILE_DEV_DEBUG=0 CARGO_INCREMENTAL=1
 # Some mutants go on for ever: that is no kill, and must not stop the others.
-patience=900
+# Seconds of processor, so that a slow machine makes no difference.
+patience=300
 
 # The package and the target of a test, as cargo is told.
 target() {
@@ -44,7 +45,8 @@ target() {
     esac
 }
 
-# Less is compiled than optimised: the crate is compiled for each mutant.
+# Compiled for each mutant, and run once: so nothing is optimised, and what a
+# mutant does not change is kept.
 quick=()
 for crate in planner checker rehearsal; do
     quick+=(--config "profile.dev.package.faregate-$crate.opt-level=0")
@@ -55,7 +57,7 @@ tests() {
     local target=$1 package
     shift
     read -ra package <<<"$(target "$target")"
-    (cd "$tree" && timeout "$patience" cargo test --locked --quiet "${package[@]}" \
+    (cd "$tree" && ulimit -t "$patience" && cargo test --locked --quiet "${package[@]}" \
         "${quick[@]}" -- --exact "$@" 2>&1)
 }
 
