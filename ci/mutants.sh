@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
-# Breaks one line of the planner at a time, in a copy of the tree, and wants the
-# named test to fail: what a test claims, it sees.
+# Breaks one line of the planner or the schedule manager at a time, in a copy of
+# the tree, and wants the named test to fail: what a test claims, it sees.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-table=ci/lib/planner-mutants.txt
+tables=(ci/lib/planner-mutants.txt ci/lib/scheduler-mutants.txt)
 
 usage() {
     cat <<USAGE
 Usage: ci/mutants.sh [--help] [--list] [--in FILE] [MUTANT...]
 
-Without arguments: all mutants of $table. With arguments: these
+Without arguments: all mutants of ci/lib/*-mutants.txt. With arguments: these
 only, each by a part of its name, or with --in all that break a file, by a part
 of its path. --list says what would be broken, and breaks nothing. For each
 mutant the crate that it breaks is compiled once, and one test of it run.
@@ -41,6 +41,7 @@ target() {
     lib) echo -p faregate-planner --lib ;;
     trust) echo -p faregate-checker --test trust ;;
     rehearsal | broken) echo -p faregate-rehearsal --test "$1" ;;
+    scheduler:*) echo -p faregate-scheduler --test "${1#*:}" ;;
     *) echo -p faregate-planner --test "$1" ;;
     esac
 }
@@ -79,17 +80,17 @@ while IFS= read -r name; do
     IFS= read -r file && IFS= read -r from && IFS= read -r to && IFS= read -r test
     read -r file <<<"$file"
     if [[ $from != '- '* || $to != +* || $test != '! '*' '* ]]; then
-        echo "$table: '$name' is no mutant: it wants lines that begin with -, + and !" >&2
+        echo "'$name' is no mutant: it wants lines that begin with -, + and !" >&2
         exit 2
     fi
     wanted "$name" "$file" "$@" || continue
     to=${to#+} test=${test#! }
     names+=("$name") files+=("$file") froms+=("${from#- }") tos+=("${to# }")
     targets+=("${test%% *}") killers+=("${test#* }")
-done <"$table"
+done < <(cat "${tables[@]}")
 
 if [[ ${#names[@]} -eq 0 ]]; then
-    echo "there is no such mutant; see $table" >&2
+    echo "there is no such mutant; see ${tables[*]}" >&2
     exit 2
 fi
 if $lists; then
@@ -110,9 +111,9 @@ for target in $(printf '%s\n' "${targets[@]}" | sort -u); do
         [[ ${targets[i]} != "$target" ]] || echo "${killers[i]}"
     done | sort -u)
     echo "the tree as it is: ${#all[@]} tests of $target"
-    if ! tests "$target" "${all[@]}" >"$logs/none-$target.log" ||
-        ! grep -q "test result: ok. ${#all[@]} passed" "$logs/none-$target.log"; then
-        tail -n 40 "$logs/none-$target.log"
+    if ! tests "$target" "${all[@]}" >"$logs/none-${target//:/-}.log" ||
+        ! grep -q "test result: ok. ${#all[@]} passed" "$logs/none-${target//:/-}.log"; then
+        tail -n 40 "$logs/none-${target//:/-}.log"
         echo "without any mutant, not all of these tests of $target are there and pass:" >&2
         printf '    %s\n' "${all[@]}" >&2
         exit 1

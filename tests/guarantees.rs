@@ -128,9 +128,9 @@ fn every_mutant_exists_is_named_and_is_killed_in_ci() {
     }
 }
 
-/// The planner's mutants: name, file, what stands there, and the target and the
+/// The mutants of a table: name, file, what stands there, and the target and the
 /// test that see it.
-fn planner_mutants(table: &str) -> Vec<[&str; 5]> {
+fn mutants_of(table: &str) -> Vec<[&str; 5]> {
     let lines = table.lines().filter(|line| !line.is_empty() && !line.starts_with('#'));
     let lines: Vec<_> = lines.collect();
     let mutants = lines.chunks(5).map(|lines| match *lines {
@@ -148,18 +148,15 @@ fn planner_mutants(table: &str) -> Vec<[&str; 5]> {
 /// The files that the tests of a target are in.
 fn tests_of(target: &str) -> String {
     let place = match target {
+        target if target.starts_with("scheduler:") => target.replace(':', "/tests/"),
         "lib" => "planner/src".to_owned(),
         "trust" => "planner/checker/tests/trust".to_owned(),
-        "rehearsal" | "broken" => format!("planner/rehearsal/tests/{target}.rs"),
+        "rehearsal" | "broken" => format!("planner/rehearsal/tests/{target}"),
         _ => format!("planner/tests/{target}"),
     };
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let folder = root.join(&place);
-    if !folder.is_dir() {
-        let file = if place.ends_with(".rs") { place } else { format!("{place}.rs") };
-        return read(&file);
-    }
-    all_in(&folder)
+    let place = Path::new(env!("CARGO_MANIFEST_DIR")).join(place);
+    let root = std::fs::read_to_string(place.with_extension("rs")).unwrap_or_default();
+    if place.is_dir() { root + &all_in(&place) } else { root }
 }
 
 fn all_in(folder: &Path) -> String {
@@ -176,9 +173,9 @@ fn all_in(folder: &Path) -> String {
 }
 
 #[test]
-fn every_mutant_of_the_planner_breaks_a_line_that_is_there_and_names_a_test_that_is() {
-    let table = read("ci/lib/planner-mutants.txt");
-    let mutants = planner_mutants(&table);
+fn every_mutant_of_a_line_breaks_one_that_is_there_and_names_a_test_that_is() {
+    let tables = ["planner", "scheduler"].map(|of| read(&format!("ci/lib/{of}-mutants.txt")));
+    let mutants: Vec<_> = tables.iter().flat_map(|table| mutants_of(table)).collect();
     let mut names = std::collections::BTreeSet::new();
     for [name, file, from, target, test] in &mutants {
         assert!(names.insert(*name), "two mutants have the name '{name}'");
