@@ -84,15 +84,18 @@ impl Given<'_> {
     fn closes(&self, activity: &Activity, slot: Slot) -> Time {
         let range = activity.starts.get(slot.range);
         let last = range.map_or(slot.start, |range| range.to.max(slot.start));
-        let last = last.after(self.setting.parameters.handover_tolerance);
-        let up = self.phase_of(slot).map_or(last, |phase| lets_go(phase.down));
-        last.min(up).max(slot.start)
+        let tolerance = self.setting.parameters.handover_tolerance;
+        let up = self.phase_of(slot).map_or(Time::new(i64::MAX), |phase| lets_go(phase.down));
+        // Nothing is so short that it could not be started.
+        let soon = slot.start.after(tolerance).min(slot.end);
+        last.after(tolerance).min(up).max(soon)
     }
 
     /// The phase in which the computer is up for it: one that is late for it,
-    /// too.
+    /// too. What takes no time needs none.
     pub(super) fn phase_of(&self, slot: Slot) -> Option<&AwakePhase> {
-        self.timed.awake.iter().find(|phase| slot.start < phase.down)
+        let mut phases = self.timed.awake.iter().filter(|_| slot.start < slot.end);
+        phases.find(|phase| slot.start < phase.down)
     }
 
     /// The task that wakes the computer for this phase, if it is to come.

@@ -3,14 +3,14 @@
 
 use std::sync::Arc;
 
-use faregate_planner::Activity;
 use faregate_planner::plan::{Dependency, Kind, Outcome, StartRange, Status};
-use faregate_planner::state::Window;
-use faregate_planner::tasks::{NotPlanned, Setting};
+use faregate_planner::state::{Mode, Window};
+use faregate_planner::tasks::{NotPlanned, Setting, tasks};
 use faregate_planner::timed::AwakePhase;
 use faregate_planner::units::Span;
+use faregate_planner::{Activity, Problem, State, schedule};
 use faregate_scheduler::manager::Telecommand;
-use faregate_scheduler::task::Task;
+use faregate_scheduler::task::{Task, When};
 use faregate_tickets::amount::{Microjoules, Milliwatts};
 
 use crate::attacks::{for_ever, mandatory, outcome};
@@ -155,4 +155,31 @@ fn what_can_never_run_is_given_up_also_where_the_computer_is_to_be_woken_for_it(
     assert_eq!(stage.start_of(1), None);
     assert_eq!(outcome(&stage, 1), Some(Outcome::NotStarted));
     assert_eq!(outcome(&stage, 2), Some(Outcome::Succeeded), "it was to come in its place");
+}
+
+/// It starts while the computer sleeps, and long before that is woken.
+#[test]
+fn what_takes_no_time_needs_no_computer() {
+    let asleep = State { mode: Mode::Asleep, mode_since: clock(7, 0), ..morning() };
+    let some = vec![activity(1, 0, clock(11, 0)), activity(2, 20, clock(14, 0))];
+    let mut stage = Stage::of(setting_of(plan(some)), asleep, Fates::new());
+    stage.until(clock(15, 0));
+    assert_eq!(stage.start_of(1), Some(clock(11, 0)));
+    assert_eq!(stage.start_of(2), Some(clock(14, 0)));
+    assert_eq!(stage.refused(), [""; 0]);
+}
+
+/// It is the last one of its phase, and over before the computer's draw ends.
+#[test]
+fn nothing_is_so_short_that_it_could_not_be_started() {
+    let one = Activity { duration: Span::new(50), ..activity(1, 0, clock(10, 10)) };
+    let setting = setting_of(plan(vec![one]));
+    let problem = Problem::new(&setting.plan, &setting.parameters, &morning()).unwrap();
+    let timed = schedule(&problem, None);
+    let tasks = tasks(&setting, &[], &timed, morning().now).unwrap();
+    let task = tasks.iter().find(|task| task.id == task_id(1)).expect("it is planned");
+    let slot = timed.slot(id(1)).expect("it is planned");
+    assert_eq!(timed.awake[0].down, slot.end);
+    let wall = |at| When::At(setting.epoch.wall(at));
+    assert_eq!((task.windows[0].opens, task.windows[0].closes), (wall(slot.start), wall(slot.end)));
 }
