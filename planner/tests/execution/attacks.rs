@@ -61,6 +61,24 @@ fn a_start_is_late_by_the_tolerance_at_most() {
     }
 }
 
+/// It has another range, and so it is not given up.
+#[test]
+fn between_two_ranges_nothing_starts() {
+    let range = |from, to| StartRange { from: min(from), to: min(to), cutoff: min(200) };
+    let starts = vec![range(0, 20), range(60, 80)];
+    let mut bench = Bench::new(vec![(Activity { starts, ..mandatory(1) }, 5)]);
+    let last = min(20).after(parameters().handover_tolerance);
+    bench.tick(last);
+    assert_eq!(waits_for(&bench, 1), None);
+    for at in [last.after(Span::new(1)), just_before(min(60))] {
+        bench.tick(at);
+        assert_eq!(waits_for(&bench, 1), Some(NotReady::Range), "at {at}");
+        bench.event(at, Event::Granted(id(1)));
+        assert!(!bench.runs(1));
+    }
+    bench.starts(1, min(60));
+}
+
 /// Nothing that is planned moves for it.
 #[test]
 fn a_late_drive_ends_when_it_was_planned_to() {
