@@ -2,6 +2,7 @@
 
 mod activities;
 mod data;
+mod drained;
 mod energy;
 mod limits;
 mod order;
