@@ -264,6 +264,7 @@ class World:
         least[handover] = max(least[handover], wanted)
         charges = [program.var(low, capacity // STEP) for low in least]
         program.at_most([(charges[0], 1)], self.state["charge"] // STEP)
+        total, all_drawn = self.state["charge"] // STEP, []
         for t, now in enumerate(self.users):
             waking, closing = self.turning(t)
             net = parameters["rtg"] - parameters["base"]
@@ -273,3 +274,8 @@ class World:
             drawn += [(var, parameters["shutdown"]["load"]["marginal"]) for var in closing]
             drawn += [(var, a["marginal"]) for a, var in now] + self.heating(t, "marginal")
             program.at_most([(charges[t + 1], 1), (charges[t], -1), *drawn], net)
+            total += net
+            all_drawn += drawn
+            if t + 1 in (handover, self.slots):
+                # The same summed up: a knapsack, which solvers know how to cut.
+                program.at_most(all_drawn, total - least[t + 1])

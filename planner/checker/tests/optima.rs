@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use faregate_checker::{Effort, Rule, check};
+use faregate_checker::{Effort, check};
 use faregate_planner::generate::{Shape, World};
 use faregate_planner::timed::{Fate, Reason, Row, Slot, TimedPlan};
 use faregate_planner::units::Time;
@@ -82,26 +82,32 @@ fn each_optimum_is_a_plan_that_keeps_every_rule() {
         let timed = kept(&world, &optimum.starts());
         assert_eq!(value(&world, &timed), optimum.optimum, "{which}");
         let World { plan, parameters, state } = &world;
-        let mut wrong = check(plan, parameters, state, None, &timed, Effort { grid: 0 });
-        // It is no plan of a pass: another start may be free, and earlier.
-        wrong.retain(|wrong| !matches!(wrong.rule, Rule::Reason | Rule::Sleep));
+        let wrong = check(plan, parameters, state, None, &timed, Effort { grid: 0 });
         assert_eq!(wrong, [], "{which}");
     }
 }
 
 #[test]
 fn no_plan_is_worth_more_than_the_solver_says_is_possible() {
-    let (mut proven, mut better) = (0, 0);
-    for (optimum, world) in optima() {
-        let problem = problem(&world);
+    let (mut proven, mut better, mut exceeding) = (0, 0, 0);
+    let optima = optima();
+    for (optimum, world) in &optima {
         let which = format!("{} activities, seed {}", optimum.activities, optimum.seed);
-        let once = value(&world, &schedule(&problem, None));
+        let problem = problem(world);
+        let once = schedule(&problem, None);
         let budget = Budget { evaluations: 2_000, seed: optimum.seed };
-        let improved = value(&world, &improve(&problem, None, budget, &mut || false).timed);
-        assert!(once.max(improved) <= optimum.bound, "{which}: {once} {improved}");
-        assert!(optimum.optimum <= optimum.bound && optimum.bound <= optimum.total);
+        let improved = improve(&problem, None, budget, &mut || false).timed;
+        for timed in [&once, &improved] {
+            // Mandatory activities may exceed limits that the solver's model
+            // keeps: such a plan is none of its solutions.
+            let keeps = timed.excess.is_empty();
+            exceeding += usize::from(!keeps);
+            assert!(!keeps || value(world, timed) <= optimum.bound, "{which}");
+        }
+        assert!(optimum.optimum <= optimum.bound && optimum.bound <= optimum.total, "{which}");
         proven += u32::from(optimum.optimum == optimum.bound);
-        better += u32::from(once < optimum.optimum);
+        better += u32::from(value(world, &once) < optimum.optimum);
     }
+    assert!(exceeding * 10 < optima.len(), "{exceeding} plans of {} worlds", optima.len());
     assert!(proven >= 30 && better >= 20, "{proven} are proven, {better} beat the one pass");
 }

@@ -47,7 +47,8 @@ pub(super) fn small(shape: Shape) -> World {
     let state = State {
         now: Time::ZERO,
         mode_since: at(-12),
-        charge: watt_hours(12 * unsigned(end)),
+        // Between too little for many and enough for most.
+        charge: watt_hours(unsigned(draws.between(19, 23) * end / 2)),
         capacity: watt_hours(15 * unsigned(end)),
         windows,
         ..State::default()
@@ -86,8 +87,8 @@ fn parameters() -> Parameters {
         // What is over is lost: a sleep that ends at a largest charge would end
         // between two points of the grid.
         max_soc: Ppm::new(1_000_000),
-        awake: load(45, 60),
-        peak_limit: watts(160),
+        awake: load(60, 60),
+        peak_limit: watts(190),
         engines: 3,
         wakeup: phase,
         shutdown: phase,
@@ -138,10 +139,11 @@ fn wish(number: usize, end: i64, draw: u64, draws: &mut Draws) -> Activity {
 
 /// Each step of one or two spans.
 fn starts(duration: Span, end: i64, draws: &mut Draws) -> Vec<StartRange> {
+    let last = end - duration.get() / STEP;
     let mut steps = BTreeSet::new();
     for _ in 0..=draws.below(2) {
-        let from = draws.between(2, end - 6);
-        steps.extend(from..=from + draws.between(0, 12));
+        let from = draws.between(2, last);
+        steps.extend(from..=last.min(from + draws.between(0, 12)));
     }
     let range = |from| StartRange { from, to: from, cutoff: from.after(duration) };
     steps.into_iter().map(at).map(range).collect()
