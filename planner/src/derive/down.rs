@@ -104,12 +104,18 @@ impl<W: Watch> Sweep<'_, '_, W> {
             let slope = (then.over.at - now.over.at) / span;
             return now.down.at.plus(now.over.divided_up(-slope));
         }
+        let is_fixed = [now, then].iter().all(|it| it.down.at.is_fixed() && it.over.is_fixed());
         let (mut over, mut under) = (0, span);
         while under - over > 1 {
             let middle = over + (under - over) / 2;
             let at = now.down.at.later(middle);
             let cursor = self.think(now.down, at, self.problem.computer.awake);
             if self.attempt(cursor).over.at <= 0 { under = middle } else { over = middle }
+        }
+        // Where neither end moves, nor how far it is over there, nothing between
+        // them does.
+        if is_fixed {
+            return now.down.at.later(under);
         }
         Var::between(now.down.at.at + under, now.down.at.later(1), then.down.at)
     }
