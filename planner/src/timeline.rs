@@ -16,11 +16,13 @@ mod claim;
 mod conflict;
 mod intervals;
 mod line;
+mod longer;
 mod named;
 mod settings;
 mod shown;
 mod starts;
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use crate::parameters::Parameters;
@@ -128,28 +130,36 @@ impl Timelines {
         }
     }
 
-    /// Something happens then. What has begun before now counts from now on.
+    /// Something happens then. Of what has begun before now, what it did so far
+    /// is in the state's values: what is left of it happens from now on.
     ///
     /// # Timing
     ///
     /// About the root of the number of changes that there are, for each
     /// timeline that it touches.
     pub fn insert(&mut self, claim: &Claim, start: Time) {
-        let start = start.get();
-        if start < self.now && start.saturating_add(claim.length) <= self.now {
-            return;
-        }
-        self.change(claim, start, 1);
+        let Some((claim, start)) = self.ahead(claim, start) else { return };
+        self.change(&claim, start, 1);
         self.longest.0 = self.longest.0.max(claim.length);
-        self.placed.insert((start, claim.order), claim.clone());
+        self.placed.insert((start, claim.order), claim.into_owned());
     }
 
     /// It does not happen then after all. Nothing where it was not inserted.
     pub fn remove(&mut self, claim: &Claim, start: Time) {
-        let start = start.get();
-        if self.placed.get(&(start, claim.order)) == Some(claim) {
+        let Some((claim, start)) = self.ahead(claim, start) else { return };
+        if self.placed.get(&(start, claim.order)) == Some(&*claim) {
             self.placed.remove(&(start, claim.order));
-            self.change(claim, start, -1);
+            self.change(&claim, start, -1);
+        }
+    }
+
+    /// What of it is not over, and when that begins.
+    fn ahead<'c>(&self, claim: &'c Claim, start: Time) -> Option<(Cow<'c, Claim>, i64)> {
+        let passed = self.now.saturating_sub(start.get());
+        match passed {
+            ..=0 => Some((Cow::Borrowed(claim), start.get())),
+            _ if passed < claim.length => Some((Cow::Owned(claim.left(passed)), self.now)),
+            _ => None,
         }
     }
 

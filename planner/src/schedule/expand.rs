@@ -28,11 +28,11 @@ impl Pass<'_> {
         if last <= end {
             return;
         }
+        // Timelines and the world are still those in which it has its present
+        // length: what is compared with.
+        let last = self.last_on_timelines(item, slot, last);
         self.placed.remove(self.problem, Placement { item, start, end });
         self.timelines.remove(&self.claims[item], slot.start);
-        // The world is still that in which it has its present length: what
-        // is compared with.
-        let last = self.last_on_timelines(item, slot, last);
         let mut effort = self.effort;
         let last = self.rest().latest_end(item, start, (end, last), &mut effort);
         self.effort = effort;
@@ -56,20 +56,22 @@ impl Pass<'_> {
         starts.chain([longest, cutoff]).min().unwrap_or(longest)
     }
 
-    /// What bits, engines, data and named timelines leave.
+    /// What bits, engines, data and named timelines leave, up to the first end
+    /// that they refuse: what happens at its end can be in the way of others at
+    /// some ends and not at later ones.
     fn last_on_timelines(&self, item: usize, slot: Slot, last: i64) -> i64 {
+        let now = &self.claims[item];
         let fits = |end: i64| {
-            let mut claim = claim(self.problem, item, Span::new(end - slot.start.get()));
-            // It makes no more data the longer it runs.
-            claim.limited = false;
-            let within = (slot.start, slot.start);
-            !self.timelines.valid_starts(&claim, within).is_empty()
+            let longer = claim(self.problem, item, Span::new(end - slot.start.get()));
+            self.timelines.lengthens(now, &longer, slot.start)
         };
-        let last = self.downlink(&self.claims[item], slot.end.get(), last);
-        let (mut good, mut bad) = (slot.end.get(), last + 1);
-        while bad - good > 1 {
-            let middle = good + (bad - good) / 2;
-            if fits(middle) { good = middle } else { bad = middle }
+        let mut good = slot.end.get();
+        let last = self.downlink(now, good, last);
+        for next in self.timelines.ends(now, (good, last)) {
+            if !fits(next) {
+                return last_good(good, next, fits);
+            }
+            good = next;
         }
         good
     }
@@ -81,7 +83,18 @@ impl Pass<'_> {
         }
         let max = self.problem.plan.max_delta_data.get();
         let mut volumes = self.timelines.volumes(Time::new(end));
-        let full = volumes.find(|(_, total)| *total > max);
+        // Until it ends, what it frees is still on board.
+        let full = volumes.find(|(_, total)| *total - claim.data > max);
         full.map_or(last, |(at, _)| last.min(at.get().max(end)))
     }
+}
+
+/// Between an end that is good and a later one that is bad: the last that is
+/// good, where there is no good one after a bad one.
+fn last_good(mut good: i64, mut bad: i64, is_good: impl Fn(i64) -> bool) -> i64 {
+    while bad - good > 1 {
+        let middle = good + (bad - good) / 2;
+        if is_good(middle) { good = middle } else { bad = middle }
+    }
+    good
 }

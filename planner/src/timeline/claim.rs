@@ -42,6 +42,33 @@ pub(crate) struct Touch {
     pub(crate) keep: Option<(i64, i64)>,
 }
 
+impl Touch {
+    /// What it adds while it runs, from its start on, and each ms.
+    pub(super) fn during(&self) -> (i128, i128) {
+        let part = self.parts.iter().find(|part| part.to != FOREVER);
+        part.map_or((0, 0), |part| (part.value, part.slope))
+    }
+
+    /// What stays of it.
+    pub(super) fn stays(&self) -> i128 {
+        self.parts.iter().find(|part| part.to == FOREVER).map_or(0, |part| part.value)
+    }
+
+    /// What it goes on to do when so much of its time has passed: what it holds,
+    /// it holds on; what it has added, and set at its start, is there.
+    fn left(&self, passed: i64) -> Self {
+        let (value, slope) = self.during();
+        let there = if self.holds { 0 } else { value + slope * i128::from(passed) };
+        let end =
+            self.parts.iter().map(|part| if part.to == FOREVER { part.from } else { part.to });
+        let left = end.max().map_or(0, |end| end - passed);
+        let during = Part { from: 0, to: left, value: if self.holds { value } else { 0 }, slope };
+        let after = Part { from: left, to: FOREVER, value: self.stays() - there, slope: 0 };
+        let parts = [during, after].into_iter().filter(Part::is_something).collect();
+        Self { parts, sets: [None, self.sets[1]], ..self.clone() }
+    }
+}
+
 /// An activity names a timeline that the parameters have not got.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UnknownTimeline(pub String);
@@ -94,6 +121,12 @@ impl Claim {
         let mut claim = Self::with(activity, order, until.since(now), parameters, sums.collect())?;
         (claim.data, claim.limited) = (0, false);
         Ok(claim)
+    }
+
+    /// What is left of it when so much of its time has passed, and less than all.
+    pub(super) fn left(&self, passed: i64) -> Self {
+        let named = self.named.iter().map(|touch| touch.left(passed)).collect();
+        Self { length: self.length - passed, named, ..self.clone() }
     }
 
     /// A communication window. `order` is any number that no activity has.
@@ -217,7 +250,7 @@ impl Sum {
         let value = (self.start + self.end) * FINE + self.rate * i128::from(length);
         let after = Part { from: length, to: FOREVER, value, slope: 0 };
         let parts = [during, after].into_iter();
-        let some = |part: &Part| part.from < part.to && (part.value, part.slope) != (0, 0);
+        let some = |part: &Part| part.from < part.to && part.is_something();
         let (holds, sets) = (self.holds && length > 0, self.sets);
         Touch { line, parts: parts.filter(some).collect(), holds, sets, keep: None }
     }

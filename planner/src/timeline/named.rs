@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 
 use crate::parameters::{TimelineKind, TimelineSpec};
-use crate::plan::{Effect, Plan};
+use crate::plan::{Activity, Effect, Kind, Plan};
 use crate::state::State;
+use crate::units::Time;
 
 use super::claim::{Claim, FINE, Touch};
 use super::line::Line;
@@ -140,18 +141,27 @@ pub(super) fn during(touch: &Touch, claim: &Claim) -> Vec<Part> {
     if part.to > 0 { vec![part] } else { Vec::new() }
 }
 
-/// The value that others find now: holds of running activities are in it, and
-/// are taken out here, since each of them is inserted with what is left of it.
+/// The value that others find now: holds of what has begun are in it, and are
+/// taken out here, since what is left of it is inserted with them.
 fn present(spec: &TimelineSpec, plan: &Plan, state: &State) -> i64 {
     let Some(&value) = state.timelines.get(&spec.name) else {
         return spec.initial;
     };
-    let running = state.running.iter();
-    let running = running.filter_map(|one| plan.activities.iter().find(|a| a.id == one.id));
-    let impacts = running.flat_map(|activity| &activity.impacts);
+    let begun = plan.activities.iter().filter(|activity| has_begun(activity, state));
+    let impacts = begun.flat_map(|activity| &activity.impacts);
     let held = impacts.filter(|impact| impact.timeline == spec.name);
     held.fold(value, |value, impact| match impact.effect {
         Effect::Hold(amount) => value.saturating_sub(amount),
         _ => value,
     })
+}
+
+/// Whether it runs, or is a manual shutdown that now is in.
+fn has_begun(activity: &Activity, state: &State) -> bool {
+    let is_manual = matches!(activity.kind, Kind::ManualShutdown { .. });
+    let from = activity.starts.first().map(|range| range.from);
+    let is_in = |from: Time| from < state.now && state.now < from.after(activity.duration);
+    let ended = || state.ended.iter().any(|ended| ended.id == activity.id);
+    state.running.iter().any(|running| running.id == activity.id)
+        || is_manual && from.is_some_and(is_in) && !ended()
 }

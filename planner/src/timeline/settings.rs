@@ -142,6 +142,43 @@ impl Settings {
         seen.into_iter().filter_map(off).collect()
     }
 
+    /// Whether the setter, which began then and is inserted with another length,
+    /// can end later: no value is further off a range than it is now, and while
+    /// it runs none is off its own.
+    pub(crate) fn can_end_later(
+        &self,
+        setter: Setter,
+        (start, length): (i64, i64),
+        ranges: &[Range],
+    ) -> bool {
+        let Some(value) = setter.sets[1] else { return true };
+        let now = (start.saturating_add(length), END, setter.order);
+        let later = (start.saturating_add(setter.length), END, setter.order);
+        let after = (core::ops::Bound::Excluded(later), core::ops::Bound::Unbounded);
+        let until = self.sets.range(after).next().map_or(self.end, |(key, _)| key.0);
+        let between = self.sets.range(now..=later).map(|(key, _)| key.0);
+        let mut instants: Vec<i64> = between.chain([now.0, later.0, until]).collect();
+        instants.sort_unstable();
+        instants.dedup();
+        instants.windows(2).all(|pair| {
+            let (from, to) = (pair[0], pair[1]);
+            let (old, new) = (self.at(from, now, (now, value)), self.at(from, now, (later, value)));
+            let mut seen = ranges.iter().filter(|range| range.from < to && from < range.to);
+            let own = setter.keep.filter(|_| from < later.0);
+            own.is_none_or(|(min, max)| past(new, min, max).is_none())
+                && seen.all(|range| worse(new, old, range).is_none())
+        })
+    }
+
+    /// The value at an instant, without what is set at `key` and with another
+    /// one.
+    fn at(&self, at: i64, key: Key, other: (Key, i64)) -> i64 {
+        let mut known = self.sets.range(..=(at, u8::MAX, usize::MAX)).rev();
+        let last = known.find(|(known, _)| **known != key).map(|(key, value)| (*key, *value));
+        let other = Some(other).filter(|(key, _)| key.0 <= at);
+        last.max(other).map_or(self.initial, |(_, value)| value)
+    }
+
     /// When the value that is set at `key` is set again.
     fn next(&self, key: Key, setter: Setter, start: i64) -> i64 {
         let (after, last) = (core::ops::Bound::Excluded(key), core::ops::Bound::Unbounded);

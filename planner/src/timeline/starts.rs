@@ -37,6 +37,10 @@ pub(crate) struct Keep {
 pub(crate) type Within = (i64, i64);
 
 impl Part {
+    pub(crate) const fn is_something(&self) -> bool {
+        self.value != 0 || self.slope != 0
+    }
+
     fn last(&self) -> i128 {
         self.value + self.slope * i128::from(self.to - 1 - self.from)
     }
