@@ -94,6 +94,7 @@ fn the_computer_is_not_shut_down_while_something_runs() {
     let downs = stage.starts_of_task("shutdown");
     assert!(downs.iter().all(|at| *at >= clock(10, 38)), "{downs:?}");
     assert!(!downs.is_empty(), "and then it is");
+    assert_eq!(stage.director.state().mode, Mode::Asleep);
     assert_eq!(stage.refused(), [""; 0]);
 }
 
