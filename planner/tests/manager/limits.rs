@@ -163,6 +163,9 @@ fn what_takes_no_time_needs_no_computer() {
     let asleep = State { mode: Mode::Asleep, mode_since: clock(7, 0), ..morning() };
     let some = vec![activity(1, 0, clock(11, 0)), activity(2, 20, clock(14, 0))];
     let mut stage = Stage::of(setting_of(plan(some)), asleep, Fates::new());
+    stage.until(clock(13, 57));
+    let state = stage.director.state();
+    assert_eq!((state.mode, state.mode_since), (Mode::WakingUp, clock(13, 55)));
     stage.until(clock(15, 0));
     assert_eq!(stage.start_of(1), Some(clock(11, 0)));
     assert_eq!(stage.start_of(2), Some(clock(14, 0)));
