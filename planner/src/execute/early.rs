@@ -29,13 +29,13 @@ impl Control {
         let bits = |id| self.activity(id).map_or(0, |one| one.resources.mask());
         let others = self.asked.keys().filter(|other| **other != id);
         let power = |id| self.activity(id).map_or(0, |one| one.peak.get());
-        let engines = |id| self.activity(id).map_or(0, |one| one.engines);
+        let engines = |id| self.activity(id).map_or(0, |one| u64::from(one.engines));
         let shares = others.clone().any(|other| bits(*other) & bits(id) != 0);
         let loads = others.clone().chain([&id]).map(|other| power(*other));
         let peak = loads.fold(self.present_peak(), u64::saturating_add);
         let used = others.chain([&id]).map(|other| engines(*other));
-        let used = used.fold(self.engines_in_use(), u32::saturating_add);
-        shares || peak > self.parameters.peak_limit.get() || used > self.parameters.engines
+        let used = used.sum::<u64>() + self.engines_in_use();
+        shares || peak > self.parameters.peak_limit.get() || used > self.parameters.engines.into()
     }
 
     fn present_peak(&self) -> u64 {
@@ -47,8 +47,8 @@ impl Control {
         running.map(|one| one.peak.get()).chain(heating).fold(computer, u64::saturating_add)
     }
 
-    fn engines_in_use(&self) -> u32 {
+    fn engines_in_use(&self) -> u64 {
         let running = self.state.running.iter().filter_map(|one| self.activity(one.id));
-        running.map(|one| one.engines).fold(0, u32::saturating_add)
+        running.map(|one| u64::from(one.engines)).sum()
     }
 }

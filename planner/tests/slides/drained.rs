@@ -1,10 +1,11 @@
 //! "Predicting Future State of Charge", to the microjoule: a generator that gives
-//! less than the base load, a battery that is full. And a zone that is found cold.
+//! less than the base load, a battery that is full, a maximum that is no whole
+//! number, a drain that goes on over the handover. And a zone that is found cold.
 
 use faregate_planner::Activity;
-use faregate_planner::plan::Outcome;
+use faregate_planner::plan::{Kind, Outcome};
 use faregate_planner::state::{Ended, Mode};
-use faregate_planner::units::{Bytes, Ppm, Time};
+use faregate_planner::units::{Bytes, Ppm, Span, Time};
 use faregate_tickets::amount::{Microjoules, Milliwatts};
 
 use crate::rover::*;
@@ -66,4 +67,43 @@ fn a_zone_that_was_found_cold_is_cold_though_it_was_used_just_now() {
     let timed = rover.timed();
     assert_eq!(slot(&timed, 2), Some((20, 40)));
     assert_eq!((timed.preheats[0].start, timed.preheats[0].end), (min(0), min(20)));
+}
+
+/// A fraction of the capacity that is no whole number of microjoules: the
+/// maximum is not above it.
+#[test]
+fn a_maximum_is_rounded_down() {
+    let mut rover = rover(Vec::new());
+    let whole = 3_600_000_000_000;
+    rover.state.capacity = Microjoules::new(whole + 1);
+    // Asleep it gains 80 W. At this instant it would be a microjoule above nine
+    // tenths of that whole.
+    let full = min(225);
+    let charge = whole / 10 * 9 + 1 - 80_000 * full.get().unsigned_abs();
+    rover.state.charge = Microjoules::new(charge);
+    assert_eq!(rover.timed().awake[0].wakeup, full.before(Span::new(1)));
+    rover.state.charge = Microjoules::new(charge - 1);
+    assert_eq!(rover.timed().awake[0].wakeup, full);
+}
+
+/// All of it drains a microjoule too much before the handover. Where it ends a
+/// millisecond after that, a millisecond of it is drained later.
+#[test]
+fn what_is_drained_after_the_handover_is_not_missing_then() {
+    let (hour, handover) = (Span::from_mins(60), min(300));
+    let stay = Activity { kind: Kind::StayAwake, ..activity(2, 600, 0, 0) };
+    let mut rover = rover(vec![drawing(160, activity(1, 60, 0, 500)), stay]);
+    rover.plan.activities[1].priority = MANDATORY;
+    rover.plan.handover = handover;
+    rover.plan.handover_min_soc = Ppm::new(500_000);
+    // Awake it gains 20 W.
+    let needed = 1_800_000_000_000 - 20_000 * handover.get() + 160_000 * hour.get();
+    let starts = |charge: i64| {
+        rover.state.charge = Microjoules::new(charge.unsigned_abs());
+        rover.state.mode = Mode::Awake;
+        rover.timed().slot(id(1)).map(|slot| slot.start)
+    };
+    let [enough, less] = [needed, needed - 1].map(starts);
+    assert_eq!(enough, Some(min(0)));
+    assert_eq!(less, Some(handover.before(hour).after(Span::new(1))));
 }

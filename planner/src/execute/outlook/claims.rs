@@ -12,7 +12,7 @@ pub(super) struct Claim {
     from: Time,
     to: Time,
     bits: u128,
-    engines: u32,
+    engines: u64,
     peak: u64,
 }
 
@@ -22,7 +22,7 @@ impl Claim {
             from: slot.start,
             to: slot.end,
             bits: activity.resources.mask(),
-            engines: activity.engines,
+            engines: activity.engines.into(),
             peak: activity.peak.get(),
         }
     }
@@ -32,7 +32,7 @@ impl Claim {
             from: window.start,
             to: window.end,
             bits: window.resources.mask(),
-            engines: window.engines,
+            engines: window.engines.into(),
             peak: window.peak.get(),
         }
     }
@@ -69,7 +69,7 @@ pub(super) fn beside(mine: &Claim, others: &[Claim], parameters: &Parameters) ->
         if peak.saturating_add(parameters.awake.peak.get()) > parameters.peak_limit.get() {
             return Err(Limit::Peak);
         }
-        if engines > parameters.engines {
+        if engines > parameters.engines.into() {
             return Err(Limit::Engines);
         }
     }

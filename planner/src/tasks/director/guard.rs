@@ -56,10 +56,11 @@ impl Director {
         shutdowns.min_by_key(|(_, live)| start_of(epoch, &live.task)).map(|(id, _)| *id)
     }
 
-    /// The ground's own shutdowns: when they begin, when the computer is down,
-    /// and when it is up again.
+    /// The ground's own shutdowns that are not over: when they begin, when the
+    /// computer is down, and when it is up again.
     fn blocks(&self) -> impl Iterator<Item = (Time, Time, Time)> {
-        self.setting.plan.activities.iter().filter_map(|one| {
+        let gone = |one: &&Activity| self.state.ended.iter().any(|ended| ended.id == one.id);
+        self.setting.plan.activities.iter().filter(move |one| !gone(one)).filter_map(|one| {
             let Kind::ManualShutdown { shutdown, .. } = one.kind else { return None };
             let from = one.starts.first()?.from;
             Some((from, from.after(shutdown), from.after(one.duration)))
