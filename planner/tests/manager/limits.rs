@@ -186,3 +186,35 @@ fn nothing_is_so_short_that_it_could_not_be_started() {
     let wall = |at| When::At(setting.epoch.wall(at));
     assert_eq!((task.windows[0].opens, task.windows[0].closes), (wall(slot.start), wall(slot.end)));
 }
+
+/// A pass that nobody knew of takes a part of the drive's time; what comes after
+/// the drive stays where it is.
+#[test]
+fn who_waits_for_a_task_that_becomes_shorter_is_not_lost() {
+    let kind = Kind::Expanding { minimum: Span::from_mins(20) };
+    let drive = Activity { kind, resources: bit(0), ..activity(1, 60, clock(10, 30)) };
+    let prior = Dependency { prior: id(1), statuses: vec![Status::Succeeded] };
+    let then = Activity { after: vec![prior], ..activity(2, 10, clock(12, 0)) };
+    let mut stage = small(vec![drive, then], Fates::new());
+    stage.until(clock(10, 5));
+    let end = |stage: &Stage| stage.director.timed().slot(id(1)).map(|slot| slot.end);
+    assert_eq!(end(&stage), Some(clock(11, 30)));
+    let pass = Window {
+        name: "pass".into(),
+        start: clock(11, 10),
+        end: clock(11, 40),
+        awake: true,
+        marginal: Milliwatts::ZERO,
+        peak: Milliwatts::ZERO,
+        data: Default::default(),
+        engines: 0,
+        resources: bit(0),
+    };
+    stage.director.windows(vec![pass]);
+    stage.until(clock(10, 6));
+    assert_eq!(end(&stage), Some(clock(11, 10)));
+    stage.until(clock(13, 0));
+    assert_eq!(stage.refused(), [""; 0]);
+    assert_eq!(stage.start_of(2), Some(clock(12, 0)));
+    assert_eq!(outcome(&stage, 2), Some(Outcome::Succeeded));
+}
