@@ -2,6 +2,7 @@
 
 mod campaign;
 mod lines;
+mod products;
 mod script;
 mod summary;
 
@@ -94,6 +95,7 @@ fn run_once(args: &PlanRunArgs, setup: &Setup) -> Result<Exit, Failure> {
     if let Some(path) = &args.svg {
         disk::can_be_written(path)?;
     }
+    args.products.as_deref().map_or(Ok(()), products::is_free)?;
     let trace = watched(args, setup)?;
     let as_it_stood = (!args.is_static).then(|| {
         let setup = Setup { options: Options::STATIC, ..setup.clone() };
@@ -104,6 +106,9 @@ fn run_once(args: &PlanRunArgs, setup: &Setup) -> Result<Exit, Failure> {
     let violations = violations(setup, &trace);
     if let Some(path) = &args.svg {
         disk::write(path, drawn(setup, &trace)?)?;
+    }
+    if let Some(directory) = &args.products {
+        products::write(directory, setup, &trace)?;
     }
     let static_summary = as_it_stood.as_ref().map(|theirs| Summary::of(&setup.plan, theirs));
     let outcome = Outcome {

@@ -39,6 +39,12 @@ pub(crate) struct PlanRunArgs {
     /// Draws what happened into this file.
     #[arg(long, value_name = "OUT.svg", conflicts_with = "campaign")]
     pub(crate) svg: Option<PathBuf>,
+    /// Leaves everything that the ground wants to have into this directory: each
+    /// timed plan with its reasons, the state and the timelines that go with it,
+    /// plans, parameters, versions, and what happened. It must be empty, or not
+    /// there.
+    #[arg(long, value_name = "DIR", conflicts_with = "campaign")]
+    pub(crate) products: Option<PathBuf>,
     /// Executes the plan so many times, with a seed each, on bad days: what
     /// goes wrong is drawn, too. Prints the sums.
     #[arg(long, value_name = "EXECUTIONS", value_parser = clap::value_parser!(u64).range(1..))]
@@ -72,6 +78,7 @@ Exit codes:
 
 Examples:
   faregate plan run sol.xml -p parameters.xml -s state.xml --svg happened.svg
+  faregate plan run sol.xml -p parameters.xml -s state.xml --products sol-7
   faregate plan run --random --campaign 1000
   faregate plan run --random --seed 77"#;
 
