@@ -88,7 +88,7 @@ pub(super) fn draw(lane: &Lane, place: Place, scale: &Scale) -> Group {
     let group = ranges(Group::new(), lane, place, scale);
     let group = preheats(group, lane, place, scale);
     let group = pauses(group, lane, place, scale);
-    let group = lane.bars.iter().fold(group, |group, bar| group.add(run(bar, place, scale)));
+    let group = lane.bars.iter().fold(group, |group, bar| group.add(run(lane, bar, place, scale)));
     let group = planned(group, lane, place, scale);
     match &lane.out {
         Some((words, at)) => group.add(out(lane, words, *at, place, scale)),
@@ -147,7 +147,7 @@ const fn colour(mandatory: bool) -> &'static str {
     if mandatory { MANDATORY } else { OPTIONAL }
 }
 
-fn run(run: &Bar, place: Place, scale: &Scale) -> Group {
+fn run(lane: &Lane, run: &Bar, place: Place, scale: &Scale) -> Group {
     let Some((from, until)) = scale.seen(run.span.0, run.span.1) else { return Group::new() };
     let (top, height) = place.part(RUN_HEIGHT);
     let colour = colour(run.mandatory);
@@ -164,7 +164,7 @@ fn run(run: &Bar, place: Place, scale: &Scale) -> Group {
     if run.words.is_empty() {
         return group;
     }
-    group.add(beside(&run.words, (from, until), place, scale))
+    group.add(beside(lane, &run.words, (from, until), place, scale))
 }
 
 /// Began before its time: the head of an arrow that points there.
@@ -187,10 +187,17 @@ fn ending(group: Group, ending: Ending, x: f64, (top, height): (f64, f64)) -> Gr
 }
 
 /// To the right, or to the left where the picture ends.
-fn beside(words: &str, (from, until): (f64, f64), place: Place, scale: &Scale) -> Group {
+fn beside(
+    lane: &Lane,
+    words: &str,
+    (from, until): (f64, f64),
+    place: Place,
+    scale: &Scale,
+) -> Group {
     let y = place.middle() + 3.7;
-    if until + 10.0 + length(words) <= scale.right {
-        return haloed(until + 9.0, y, words);
+    let begin = beyond(lane, (until + 9.0, length(words)), scale);
+    if begin + 1.0 + length(words) <= scale.right {
+        return haloed(begin, y, words);
     }
     haloed(from - 9.0, y, words).set("text-anchor", "end")
 }
@@ -209,13 +216,28 @@ fn out(lane: &Lane, words: &str, at: Option<Time>, place: Place, scale: &Scale) 
     if begin + 1.0 + wide <= scale.right {
         return group.add(haloed(begin, y, &words));
     }
-    let end = (x - 9.0).max(scale.left + wide).min(scale.right);
+    let end = before(lane, (x - 9.0, wide), scale).max(scale.left + wide).min(scale.right);
     group.add(haloed(end, y, &words).set("text-anchor", "end"))
 }
 
 /// Where words begin that are not to lie on what was planned.
 fn beyond(lane: &Lane, (begin, wide): (f64, f64), scale: &Scale) -> f64 {
-    let planned = lane.planned.iter().filter_map(|(from, until)| scale.seen(*from, *until));
-    let hit = planned.filter(|(left, right)| *left < begin + wide && begin < *right);
+    let hit = outlines(lane, (begin, begin + wide), scale);
     hit.map(|(_, right)| right + 6.0).fold(begin, f64::max)
+}
+
+/// Where words end that are not to lie on what was planned.
+fn before(lane: &Lane, (end, wide): (f64, f64), scale: &Scale) -> f64 {
+    let hit = outlines(lane, (end - wide, end), scale);
+    hit.map(|(left, _)| left - 6.0).fold(end, f64::min)
+}
+
+/// Outlines that meet these places.
+fn outlines(
+    lane: &Lane,
+    (begin, end): (f64, f64),
+    scale: &Scale,
+) -> impl Iterator<Item = (f64, f64)> {
+    let planned = lane.planned.iter().filter_map(|(from, until)| scale.seen(*from, *until));
+    planned.filter(move |(left, right)| *left < end && begin < *right)
 }
