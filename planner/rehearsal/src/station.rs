@@ -8,17 +8,16 @@
 
 mod gates;
 mod seat;
+mod sensors;
 
-use faregate_agents::{
-    Broker, Categories, DeviceState, Handle, Redeclared, RequestRefused, Supervisor, Want,
-};
+use faregate_agents::{Broker, Categories, Handle, Redeclared, RequestRefused, Supervisor, Want};
 use faregate_devices_sim::SimClock;
 use faregate_devices_sim::rover::{PlaceDriver, Rover, SWITCH_LAG, SwitchDriver};
 use faregate_tickets::Ticket;
 use faregate_tickets::amount::Milliwatts;
 use faregate_tickets::clock::{Clock, Duration, Instant};
 use faregate_tickets::device::{Estimate, Power};
-use faregate_tickets::id::{GateId, Priority};
+use faregate_tickets::id::Priority;
 use faregate_tickets::lock::Locked;
 use faregate_tickets::notify::NoNotify;
 use faregate_tickets::recorder::NoLane;
@@ -28,6 +27,7 @@ pub(crate) use gates::Gates;
 use gates::Parts;
 use seat::SeatState;
 pub(crate) use seat::{Seat, Turn};
+use sensors::Sensor;
 
 type Strategy = Locked<parking_lot::RawMutex, parking_lot::RawThreadId>;
 pub(crate) type Ports = (Strategy, SimClock, NoLane);
@@ -73,13 +73,6 @@ pub(crate) struct Station<'b, 'g> {
 struct Place<'g> {
     handle: Handle<'g, PlaceDriver, Ports>,
     held: bool,
-}
-
-/// Whose sensor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Sensor {
-    Place(usize),
-    Switch(usize),
 }
 
 impl<'b, 'g> Station<'b, 'g> {
@@ -220,71 +213,6 @@ impl<'b, 'g> Station<'b, 'g> {
             let measured_at = self.clock.now();
             self.broker.observe(gate, Estimate { state: Power::On, measured_at });
         }
-    }
-
-    /// When a sensor has something to say next.
-    pub(crate) fn next_sensed(&self) -> Option<Instant> {
-        self.leaving.iter().map(|(due, _)| *due).min()
-    }
-
-    /// What the sensors say by now.
-    pub(crate) fn sense(&mut self) {
-        let now = self.clock.now();
-        let (due, later): (Vec<_>, Vec<_>) =
-            std::mem::take(&mut self.leaving).into_iter().partition(|(due, _)| *due <= now);
-        self.leaving = later;
-        for (_, sensor) in due {
-            let state = self.state(sensor);
-            match state {
-                DeviceState::Off => {}
-                DeviceState::Granted if self.is_on(sensor) => {}
-                _ => {
-                    self.measure(sensor);
-                    self.broker.service();
-                    if !matches!(self.state(sensor), DeviceState::Off | DeviceState::Granted) {
-                        self.leaving.push((now.after(SWITCH_LAG), sensor));
-                    }
-                }
-            }
-        }
-    }
-
-    /// What is off was measured just before: whoever gets it in this instant is
-    /// seen on later than that.
-    fn measure(&self, sensor: Sensor) {
-        let now = self.clock.now();
-        let before = Instant::from_micros(now.as_micros().saturating_sub(1));
-        let (state, measured_at) =
-            if self.is_on(sensor) { (Power::On, now) } else { (Power::Off, before) };
-        if let Some(gate) = self.gate(sensor) {
-            self.broker.observe(gate, Estimate { state, measured_at });
-        }
-    }
-
-    fn is_on(&self, sensor: Sensor) -> bool {
-        match sensor {
-            Sensor::Place(place) => self.rover.place_is_on(place),
-            Sensor::Switch(switch) => {
-                let truth = self.rover.truth();
-                match self.parts.switch(switch) {
-                    Switch::Unit(unit) => truth.units.get(unit).copied().unwrap_or(false),
-                    Switch::Heater(zone) => truth.zones.get(zone).is_some_and(|one| one.heater_on),
-                    Switch::Computer => false,
-                }
-            }
-        }
-    }
-
-    fn gate(&self, sensor: Sensor) -> Option<GateId> {
-        match sensor {
-            Sensor::Place(place) => self.places.get(place).map(|one| one.handle.gate()),
-            Sensor::Switch(switch) => self.switches.get(switch).map(Handle::gate),
-        }
-    }
-
-    fn state(&self, sensor: Sensor) -> DeviceState {
-        let report = self.gate(sensor).and_then(|gate| self.broker.device(gate));
-        report.map_or(DeviceState::Leaving, |report| report.state)
     }
 
     /// A ticket for one switch alone: a heater, or the computer.
