@@ -205,6 +205,11 @@ impl Cursor {
         self.own == own.len()
     }
 
+    /// Whether no change lies between this one and a later one.
+    pub(crate) const fn is_straight_to(&self, later: &Self) -> bool {
+        self.placed == later.placed && self.own == later.own
+    }
+
     /// Whether the same of what is placed is behind, at the same instant, where
     /// the other one counts so many more changes.
     pub(crate) fn is_beside(&self, other: &Self, more: isize) -> bool {

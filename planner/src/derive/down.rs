@@ -16,6 +16,8 @@ struct Try {
     asleep: Cursor,
     until: Var,
     over: Var,
+    /// The later it is, the shorter the sleep: the plan's end cuts it.
+    shrinks: bool,
 }
 
 impl<W: Watch> Sweep<'_, '_, W> {
@@ -67,16 +69,16 @@ impl<W: Watch> Sweep<'_, '_, W> {
         let left = self.end().minus(until);
         // A sleep of nothing would end at once, again and again.
         let shortest = Var::fixed(computer.min_sleep.max(1));
-        let is_cut = self.reach.le(left, shortest);
-        let sleep = if is_cut { left } else { shortest };
-        let until = if is_cut { self.end() } else { until.plus(shortest) };
+        let shrinks = self.reach.le(left, shortest);
+        let sleep = if shrinks { left } else { shortest };
+        let until = if shrinks { self.end() } else { until.plus(shortest) };
         let gain = sleep.times(battery.idle.max(0));
         let mut over = asleep.charge.plus(gain).later(-battery.max);
         // A full battery is not above a maximum that is all it can hold.
         if battery.max >= battery.capacity {
             over = Var::fixed(0);
         }
-        Try { down, asleep, until, over }
+        Try { down, asleep, until, over, shrinks }
     }
 
     /// The next instant at which `over` may go on in another direction.
@@ -104,7 +106,12 @@ impl<W: Watch> Sweep<'_, '_, W> {
             let slope = (then.over.at - now.over.at) / span;
             return now.down.at.plus(now.over.divided_up(-slope));
         }
+        if let Some(first) = self.on_the_line(now, then) {
+            return first;
+        }
         let is_fixed = [now, then].iter().all(|it| it.down.at.is_fixed() && it.over.is_fixed());
+        // The bounds hold whatever is found between them.
+        let reach = self.reach;
         let (mut over, mut under) = (0, span);
         while under - over > 1 {
             let middle = over + (under - over) / 2;
@@ -112,11 +119,27 @@ impl<W: Watch> Sweep<'_, '_, W> {
             let cursor = self.think(now.down, at, self.problem.computer.awake);
             if self.attempt(cursor).over.at <= 0 { under = middle } else { over = middle }
         }
+        self.reach = reach;
         // Where neither end moves, nor how far it is over there, nothing between
         // them does.
         if is_fixed {
             return now.down.at.later(under);
         }
         Var::between(now.down.at.at + under, now.down.at.later(1), then.down.at)
+    }
+
+    /// The same where the capacity cuts off what the shutdown still brings, and
+    /// no longer does at `then`: at the maximum, which is below it, nothing is cut
+    /// off, and from there to `then` it is a straight line.
+    fn on_the_line(&self, now: Try, then: Try) -> Option<Var> {
+        let battery = self.problem.battery;
+        let gain = if now.shrinks { battery.idle.max(0) } else { 0 };
+        let net = self.energy.net(&now.down, self.problem.computer.awake);
+        let is_line = then.asleep.cuts == now.down.cuts;
+        let is_straight = now.down.is_straight_to(&now.asleep);
+        (is_line && is_straight && net < 0).then(|| {
+            let under = then.over.times(-1);
+            then.down.at.minus(under.divided(gain - net))
+        })
     }
 }
