@@ -6,8 +6,8 @@ use crate::schedule::Pass;
 use crate::timeline::Intervals;
 use crate::units::Time;
 
-use super::Effort;
 use super::small::small;
+use super::{Effort, Stretch};
 
 /// Whether a slot keeps the limits that depend on what is derived: everything
 /// from nothing, looked at millisecond by millisecond.
@@ -65,6 +65,31 @@ proptest! {
         for &item in problem.order() {
             tries_every_start(&pass, item, true)?;
             tries_every_start(&pass, item, false)?;
+            pass.turn(item);
+        }
+    }
+
+    /// With hardly any patience what is found keeps every limit all the same, is
+    /// no earlier than the earliest, and costs no more than there was patience
+    /// for, twice over, and one start for each stretch.
+    #[test]
+    fn without_patience_what_is_found_still_fits((plan, parameters, state) in small()) {
+        let problem = Problem::new(&plan, &parameters, &state).unwrap();
+        let mut pass = Pass::new(&problem, None);
+        for &item in problem.order() {
+            let length = problem.items[item].shortest;
+            let (first, last) = (Time::new(problem.now), Time::new(problem.end - length));
+            let starts = &Intervals::between(first, last);
+            let (mut quick, mut exact) = (Effort::default(), Effort::default());
+            let stretch = Stretch { item, starts, optional: true, patience: 2 };
+            let found = pass.rest().earliest_of(stretch, &mut quick);
+            let earliest = pass.rest().earliest(item, starts, true, &mut exact);
+            if let Some(start) = found {
+                let slot = Placement { item, start, end: start + length };
+                prop_assert!(fits(&pass, slot, true));
+                prop_assert!(earliest.is_some_and(|earliest| earliest <= start));
+            }
+            prop_assert!(quick.starts <= 12, "{} starts", quick.starts);
             pass.turn(item);
         }
     }
