@@ -161,3 +161,26 @@ fn with_more_slack_and_the_old_plan_nothing_is_worth_less() {
     holds(slack::never_costs, seeds(400), 50);
     catches(slack::never_costs, broken::FORGETFUL);
 }
+
+/// Where the plan that is executed starts everything within the commit window,
+/// no round tries anybody: it must end all the same.
+#[test]
+fn improvement_ends_where_everything_is_committed() {
+    for seed in 0..seeds(200) {
+        let mut world = world(seed, TINY);
+        let old = schedule(&problem(&world), None);
+        world.parameters.commit = world.plan.end.since(world.state.now);
+        let mut asked = 0;
+        let mut stop = || {
+            asked += 1;
+            assert!(asked < 1_000, "seed {seed}: it asks again and again");
+            false
+        };
+        let budget = Budget { evaluations: 100, seed };
+        let new = improve(&problem(&world), Some(&old), budget, &mut stop);
+        let slots = |timed: &TimedPlan| -> Vec<_> {
+            timed.rows.iter().filter_map(|row| timed.slot(row.id).map(|slot| slot.start)).collect()
+        };
+        assert!(slots(&new.timed).len() >= slots(&old).len(), "seed {seed}: something is lost");
+    }
+}
