@@ -70,15 +70,20 @@ fn shutdown(rules: &Rules, phase: &Phase) -> Option<Violation> {
     (off != 0).then(|| Violation::new(Rule::Shutdown, None, phase.down).by(off))
 }
 
-/// The shortest awake phase: what was before now counts; one that a manual block
-/// begins may be cut short.
+/// The shortest awake phase: what was before now counts. One that could not begin
+/// earlier, since it begins now, or as soon as the computer is asleep that shuts
+/// down now, or when a manual block ends, may be cut short.
 fn awake(given: &Given<'_>, rules: &Rules, i: usize, phase: &Phase) -> Option<Violation> {
     let allowed = match begin(given.scene) {
         Begin::Up { floor } if i == 0 => floor,
         _ => phase.up + rules.min_awake,
     };
     let cut = phase.down == rules.end || rules.blocks.iter().any(|(start, _)| *start == phase.down);
-    let bound = phase.wakeup == rules.now || rules.blocks.iter().any(|b| b.1 == phase.wakeup);
+    let first = match begin(given.scene) {
+        Begin::Asleep { since } => since.max(rules.now),
+        _ => rules.now,
+    };
+    let bound = phase.wakeup == first || rules.blocks.iter().any(|b| b.1 == phase.wakeup);
     let off = allowed - phase.down;
     (off > 0 && !(cut && bound)).then(|| Violation::new(Rule::MinAwake, None, phase.up).by(off))
 }
