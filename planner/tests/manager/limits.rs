@@ -9,13 +9,13 @@ use faregate_planner::tasks::{NotPlanned, Setting, tasks};
 use faregate_planner::timed::AwakePhase;
 use faregate_planner::units::Span;
 use faregate_planner::{Activity, Problem, State, schedule};
-use faregate_scheduler::manager::Telecommand;
+use faregate_scheduler::manager::{Exit, Telecommand};
 use faregate_scheduler::task::{Task, When};
 use faregate_tickets::amount::{Microjoules, Milliwatts};
 
 use crate::attacks::{for_ever, mandatory, outcome};
 use crate::small::{activity, bit, end_of, morning, outside, plan, setting_of, small};
-use crate::stage::{Fates, Stage, adding, clock, id, task_id};
+use crate::stage::{Fates, Stage, adding, clock, ends_after, id, task_id};
 
 /// A zone is found cold while no new plan can be made.
 #[test]
@@ -217,4 +217,26 @@ fn who_waits_for_a_task_that_becomes_shorter_is_not_lost() {
     assert_eq!(stage.refused(), [""; 0]);
     assert_eq!(stage.start_of(2), Some(clock(12, 0)));
     assert_eq!(outcome(&stage, 2), Some(Outcome::Succeeded));
+}
+
+/// The mast was heated an hour ago, and used; what cleans up there is wanted at
+/// once, and the heat of then is gone.
+#[test]
+fn heat_that_was_used_does_not_count_for_who_comes_an_hour_later() {
+    let at_the_mast = |one| Activity { zones: vec!["mast".into()], ..one };
+    let statuses = vec![Status::Failed];
+    let after = vec![Dependency { prior: id(2), statuses }];
+    let cleanup = Activity { kind: Kind::Cleanup, after, ..activity(3, 5, clock(10, 0)) };
+    let some = vec![
+        at_the_mast(activity(1, 10, clock(11, 0))),
+        activity(2, 30, clock(11, 30)),
+        at_the_mast(cleanup),
+    ];
+    let failed = Exit::Failed("no image".into());
+    let mut stage = small(some, Fates::from([(2, ends_after(30, failed))]));
+    stage.until(clock(13, 0));
+    assert_eq!(stage.refused(), [""; 0]);
+    let heated = stage.starts_of_heating("mast");
+    assert_eq!(heated, [clock(10, 45), clock(12, 0)]);
+    assert_eq!(stage.start_of(3), Some(clock(12, 15)));
 }
