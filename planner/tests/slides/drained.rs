@@ -1,10 +1,12 @@
 //! "Predicting Future State of Charge", to the microjoule: a generator that gives
 //! less than the base load, a battery that is full, a maximum that is no whole
-//! number, a drain that goes on over the handover. And a zone that is found cold.
+//! number, a drain that goes on over the handover. And a zone that is found cold, and what
+//! a running activity holds.
 
 use faregate_planner::Activity;
-use faregate_planner::plan::{Kind, Outcome};
-use faregate_planner::state::{Ended, Mode};
+use faregate_planner::parameters::{TimelineKind, TimelineSpec};
+use faregate_planner::plan::{Effect, Impact, Kind, Outcome};
+use faregate_planner::state::{Ended, Mode, Running};
 use faregate_planner::units::{Bytes, Ppm, Span, Time};
 use faregate_tickets::amount::{Microjoules, Milliwatts};
 
@@ -106,4 +108,26 @@ fn what_is_drained_after_the_handover_is_not_missing_then() {
     let [enough, less] = [needed, needed - 1].map(starts);
     assert_eq!(enough, Some(min(0)));
     assert_eq!(less, Some(handover.before(hour).after(Span::new(1))));
+}
+
+/// What the state says of a timeline has in it what a running one holds.
+#[test]
+fn what_a_running_one_holds_is_held_once() {
+    let holds = |number, amount| {
+        let impacts = vec![Impact { timeline: "bus".into(), effect: Effect::Hold(amount) }];
+        Activity { impacts, ..activity(number, 100, 0, 90) }
+    };
+    let fits = |amount| {
+        let mut rover = rover(vec![holds(1, 2), holds(2, amount)]);
+        let (name, kind) = ("bus".to_owned(), TimelineKind::Renewable);
+        rover.parameters.timelines = vec![TimelineSpec { name, kind, initial: 0, min: 0, max: 3 }];
+        rover.state.timelines.insert("bus".into(), 2);
+        let (started, ends) = (min(0), min(100));
+        let running =
+            Running { id: id(1), started, ends, cutoff: ends, paused: None, data: Bytes::ZERO };
+        rover.state.running = vec![running];
+        rover.state.mode = Mode::Awake;
+        slot(&rover.timed(), 2).is_some()
+    };
+    assert_eq!([fits(1), fits(2)], [true, false]);
 }
