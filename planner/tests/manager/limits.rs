@@ -8,7 +8,7 @@ use faregate_planner::state::{Mode, Window};
 use faregate_planner::tasks::{NotPlanned, Setting, tasks};
 use faregate_planner::timed::AwakePhase;
 use faregate_planner::units::Span;
-use faregate_planner::{Activity, Problem, State, schedule};
+use faregate_planner::{Activity, Parameters, Problem, State, schedule};
 use faregate_scheduler::manager::{Exit, Telecommand};
 use faregate_scheduler::task::{Task, When};
 use faregate_tickets::amount::{Microjoules, Milliwatts};
@@ -239,4 +239,27 @@ fn heat_that_was_used_does_not_count_for_who_comes_an_hour_later() {
     let heated = stage.starts_of_heating("mast");
     assert_eq!(heated, [clock(10, 45), clock(12, 0)]);
     assert_eq!(stage.start_of(3), Some(clock(12, 15)));
+}
+
+/// It is shorter than the time for which somebody has its resource, and the
+/// computer, which sleeps and wakes in no time, was up for nothing else.
+#[test]
+fn what_is_missed_as_the_computer_falls_asleep_is_planned_again() {
+    let one = Activity {
+        duration: Span::new(300),
+        resources: bit(4),
+        ..mandatory(activity(1, 0, clock(10, 10)))
+    };
+    let mut setting = setting_of(plan(vec![one]));
+    let mut parameters = Parameters::clone(&setting.parameters);
+    (parameters.min_awake, parameters.min_sleep) = (Span::ZERO, Span::from_mins(1));
+    (parameters.wakeup.duration, parameters.shutdown.duration) = (Span::ZERO, Span::ZERO);
+    setting.parameters = Arc::new(parameters);
+    let mut stage = Stage::of(setting, morning(), Fates::new());
+    stage.until(clock(10, 9));
+    stage.command(vec![adding(Task { categories: bit(4), ..outside(clock(10, 9), 2) })]);
+    stage.until(clock(10, 30));
+    assert_eq!(stage.refused(), [""; 0]);
+    assert!(stage.start_of(1) >= Some(clock(10, 11)), "{:?}", stage.start_of(1));
+    assert_eq!(outcome(&stage, 1), Some(Outcome::Succeeded));
 }

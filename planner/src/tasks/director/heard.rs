@@ -107,9 +107,13 @@ impl Director {
     /// commit window is over, and not as often as it is missed.
     fn phase_missed(&mut self, what: &Generated) {
         if !matches!(what, Generated::Window(..)) {
-            let at = self.looked_at_again();
-            self.again_at = Some(self.again_at.map_or(at, |other| other.min(at)));
+            self.tries_again();
         }
+    }
+
+    fn tries_again(&mut self) {
+        let at = self.looked_at_again();
+        self.again_at = Some(self.again_at.map_or(at, |other| other.min(at)));
     }
 
     fn over(&mut self, id: TaskId, outcome: TaskOutcome) {
@@ -146,6 +150,8 @@ impl Director {
         if is_last {
             self.gives_up(id);
         }
+        // The computer was up for it, and may be asleep by now.
+        self.tries_again();
         self.wish(Why::NotStarted(id));
     }
 
