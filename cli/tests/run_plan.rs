@@ -114,7 +114,7 @@ fn plan(sequence: &str, duration: &str) -> String {
         let bit = if sequence == "signal" { "beacon" } else { "floodlight" };
         format!(
             r#"<activity id="{id}" name="lamp {id}" priority="{priority}" sequence="{sequence}"
-                duration="{duration}" peak="8 W" engines="1" {more}
+                duration="{duration}" marginal="8 W" peak="8 W" engines="1" {more}
                 <start from="10:00" to="10:40" cutoff="10:55"/><uses resource="{bit}"/>"#
         )
     };
@@ -168,6 +168,9 @@ fn a_plan_is_executed_in_real_time_on_tickets_of_its_devices() {
 fn who_takes_the_tickets_of_an_activity_has_it_aborted_and_cleaned_up_by_a_new_plan() {
     let scratch = Scratch::new();
     let words = words(&scratch, &plan("flood for long", "10 min"));
+    // The cleanup waits for the emergency, and must not find the computer down.
+    let patient = PARAMETERS.replace("min_awake=\"0 s\"", "min_awake=\"2 min\"");
+    scratch.file("parameters.xml", patient);
     let mut run = Run::start(&scratch, &as_words(&words));
     run.until("started task 1 attempt 1, lamp 1");
     let emergency = "[[task]]\nid = 9000\nhold = true\ndur = 0.2\npri = 239\ndraw_w = 40\n";
@@ -179,6 +182,25 @@ fn who_takes_the_tickets_of_an_activity_has_it_aborted_and_cleaned_up_by_a_new_p
     assert_eq!(said.code, 1, "{said:?}");
     assert!(said.err.contains("lamp 1 was aborted, lamp 2 was not started"), "{said:?}");
     assert!(said.out.contains("lamp 1 did not succeed"), "{said:?}");
+}
+
+#[test]
+fn a_battery_that_holds_less_than_the_state_says_keeps_activities_out() {
+    let scratch = Scratch::new();
+    let words = words(&scratch, &plan("flood", "300 ms"));
+    let battery = |percent: u32| {
+        let device = "[[mission.device]]\nname = 'battery'\nkind = 'battery'\n";
+        let holds = format!("capacity_wh = 2400, charge_percent = {percent}");
+        let rover = format!("{ROVER}{device}parameters = {{ {holds}, generation_w = 0 }}\n");
+        scratch.file("rover.toml", rover);
+        call(&[&["run"], &as_words(&words)[..]].concat())
+    };
+    let said = battery(35);
+    assert_eq!(said.code, 1, "below the soft minimum: {said:?}");
+    assert!(said.err.contains("lamp 1 was not started"), "{said:?}");
+    let said = battery(80);
+    assert_eq!(said.code, 0, "{said:?}");
+    assert!(said.out.contains("activities: 2 succeeded"), "{said:?}");
 }
 
 #[test]

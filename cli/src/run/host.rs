@@ -129,8 +129,8 @@ fn direct(executive: &mut Onboard<Ground>, planned: &mut Planned) -> Result<bool
         return Ok(false);
     }
     let now = executive.now();
-    let Ground { gauge, teller, .. } = executive.outside();
-    let orders = planned.orders(now, *gauge, teller);
+    let Ground { craft, teller, .. } = executive.outside();
+    let orders = planned.orders(now, craft.state_of_charge(), teller);
     let orders = orders.map_err(|why| Failure::failed(why.to_string()))?;
     let is_removal = |order: &Telecommand| matches!(order, Telecommand::Remove(_));
     let removals: Vec<_> = orders.iter().map(is_removal).collect();

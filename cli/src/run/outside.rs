@@ -41,8 +41,7 @@ pub(crate) struct Ground {
     ends: Option<Instant>,
     timers: Timers,
     signals: UnixStream,
-    /// What the battery's gauge shows.
-    pub(crate) gauge: Option<u8>,
+    gauge: Option<u8>,
 }
 
 impl Ground {

@@ -13,7 +13,7 @@ use faregate_planner::project::project;
 use faregate_planner::tasks::{Director, Epoch, NotPlanned};
 use faregate_planner::timed::{Fate, Projection};
 use faregate_planner::trace::Why;
-use faregate_planner::units::Time;
+use faregate_planner::units::{Span, Time};
 use faregate_planner::words::Words;
 use faregate_planner::{Activity, Parameters};
 use faregate_scheduler::manager::{Note, Telecommand};
@@ -23,6 +23,9 @@ use faregate_tickets::amount::Microjoules;
 use crate::plan::why;
 use crate::run::teller::Teller;
 pub(crate) use prepared::{Prepared, read};
+
+/// How long the gauge shows the same before that is another sample.
+const SAMPLED_EVERY: Span = Span::from_secs(60);
 
 /// A plan, and who has it executed.
 #[derive(Debug)]
@@ -35,6 +38,8 @@ pub(crate) struct Planned {
     /// What the present timed plan makes of the charge: believed where the
     /// mission has no battery.
     projection: Projection,
+    /// The last sample of the gauge, and when it was taken.
+    sample: Option<(Time, u8)>,
     plans: u64,
     /// Why there was no new plan, the last time: said once.
     not_planned: Option<String>,
@@ -81,21 +86,28 @@ impl Planned {
     /// When to ask for orders again, if nothing happens before. What is due and
     /// waits, as a plan does while the computer sleeps, waits for a change.
     pub(crate) fn due(&self, now: Now) -> Option<Instant> {
-        let ahead = self.director.due().since(self.epoch.time(now.wall)).get();
+        let sample = self.sample.map(|(at, _)| at.after(SAMPLED_EVERY));
+        let due = sample.map_or(self.director.due(), |at| at.min(self.director.due()));
+        let ahead = due.since(self.epoch.time(now.wall)).get();
         let ahead = u64::try_from(ahead).ok().filter(|ahead| *ahead > 0)?;
         Some(now.elapsed.after(Duration::from_millis(ahead)))
     }
 
+    /// Each value of the gauge is a sample, and it is one again a while later:
+    /// so many samples in a row below a limit have something aborted, and they
+    /// must not be as many as there are changes in the schedule.
     fn measure(&mut self, at: Time, gauge: Option<u8>) {
-        let capacity = self.director.state().capacity.get();
-        let charge = match gauge {
-            Some(percent) => Some(capacity / 100 * u64::from(percent)),
-            None => {
-                let line = self.projection.lines.first();
-                line.and_then(|line| line.at(at)).and_then(|uj| u64::try_from(uj).ok())
-            }
+        let Some(percent) = gauge else {
+            let line = self.projection.lines.first().and_then(|line| line.at(at));
+            let charge = line.and_then(|uj| u64::try_from(uj).ok()).map(Microjoules::new);
+            return charge.into_iter().for_each(|charge| self.director.charge(charge));
         };
-        charge.into_iter().for_each(|uj| self.director.charge(Microjoules::new(uj)));
+        let same = self.sample.filter(|(_, before)| *before == percent);
+        if same.is_none_or(|(last, _)| at >= last.after(SAMPLED_EVERY)) {
+            self.sample = Some((at, percent));
+            let capacity = self.director.state().capacity.get();
+            self.director.charge(Microjoules::new(capacity / 100 * u64::from(percent)));
+        }
     }
 
     fn hand_over(&mut self, now: Now, at: Time, teller: &mut Teller) {

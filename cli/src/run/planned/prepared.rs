@@ -89,6 +89,7 @@ impl Prepared {
             next: next.map(Arc::new),
             epoch,
             projection: Projection::default(),
+            sample: None,
             plans: 0,
             not_planned: None,
         }
