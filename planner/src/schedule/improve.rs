@@ -102,7 +102,14 @@ struct Search<'a> {
 /// After so many rounds in vain the search goes on from the best one.
 const PATIENCE: u32 = 60;
 /// So many rounds in a hundred may come to less than what they are made from.
-const DETOURS: usize = 3;
+const DETOURS: usize = 20;
+/// To so much less: this part of the value.
+const DETOUR: u128 = 50;
+/// So many things are otherwise in a round, at most.
+const MOVES: usize = 6;
+/// So many of a hundred of them are about where an activity leans to, the others
+/// about when it has its turn.
+const LEANINGS: usize = 75;
 
 impl<'a> Search<'a> {
     fn new(problem: &'a Problem, incumbent: Option<&'a TimedPlan>, budget: Budget) -> Self {
@@ -140,7 +147,8 @@ impl<'a> Search<'a> {
     fn round(&mut self, stop: &mut dyn FnMut() -> bool) -> bool {
         let turns = self.neighbour();
         let detour = self.draws.percent(DETOURS);
-        let mut to_lose = (!detour).then(|| self.begun.value_of(&self.from.left_out));
+        let less = if detour { self.from.worth.optional() / DETOUR } else { 0 };
+        let mut to_lose = self.begun.value_of(&self.from.left_out) + less;
         let mut pass = self.begun.clone();
         pass.leanings.clone_from(&turns.leanings);
         pass.says_why = false;
@@ -151,27 +159,25 @@ impl<'a> Search<'a> {
                 return false;
             }
             pass.turn(item);
-            if let Some(value) = &mut to_lose
-                && pass.slots[item].is_none()
-            {
-                let Some(less) = value.checked_sub(pass.value_of(&[item])) else {
-                    self.best.evaluations += pass.effort.candidates;
-                    self.in_vain();
-                    return true;
-                };
-                *value = less;
-            }
+            let lost = if pass.is_open(item) { pass.value_of(&[item]) } else { 0 };
+            let Some(rest) = to_lose.checked_sub(lost) else {
+                self.best.evaluations += pass.effort.candidates;
+                self.in_vain();
+                return true;
+            };
+            to_lose = rest;
         }
         pass.look_again(&turns.order);
         pass.finish(&turns.order);
         self.best.evaluations += pass.effort.candidates;
         self.best.rounds += 1;
-        self.accept(Found::of(turns, &pass), detour);
+        self.accept(Found::of(turns, &pass), less);
         true
     }
 
-    /// Goes on from what is as good as the last one, and from a detour.
-    fn accept(&mut self, new: Found, detour: bool) {
+    /// Goes on from what is worth as much as the last one, or by no more than so
+    /// much less.
+    fn accept(&mut self, new: Found, less: u128) {
         if new.worth > self.best.worth {
             self.best.timed = self.begun.clone().with(&new.turns).answer();
             self.best.worth = new.worth.clone();
@@ -182,7 +188,7 @@ impl<'a> Search<'a> {
             self.from = new;
             return;
         }
-        if detour || new.worth >= self.from.worth {
+        if new.worth.comes_near(&self.from.worth, less) {
             self.from = new;
         }
         self.in_vain();
@@ -195,11 +201,11 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The turns with one to three things otherwise.
+    /// The turns with some things otherwise.
     fn neighbour(&mut self) -> Turns {
         let mut turns = self.from.turns.clone();
-        for _ in 0..=self.draws.below(3) {
-            if self.draws.percent(50) {
+        for _ in 0..=self.draws.below(MOVES) {
+            if self.draws.percent(LEANINGS) {
                 self.lean(&mut turns);
             } else {
                 self.reorder(&mut turns.order);

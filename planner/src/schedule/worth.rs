@@ -1,6 +1,6 @@
 //! Which of two timed plans is the better one.
 
-use core::cmp::Reverse;
+use core::cmp::{Ordering, Reverse};
 
 use crate::problem::Problem;
 use crate::timed::{Fate, TimedPlan};
@@ -43,6 +43,15 @@ impl Worth {
             }
         }
         worth
+    }
+
+    /// Whether it is worth no less than another, or by no more than so much of
+    /// the optional ones; when they start makes no difference.
+    pub(super) fn comes_near(&self, other: &Self, less: u128) -> bool {
+        match self.mandatory.cmp(&other.mandatory) {
+            Ordering::Equal => self.optional + less >= other.optional,
+            order => order.is_gt(),
+        }
     }
 
     /// The sum of values of the optional activities that are in.
