@@ -95,7 +95,8 @@ fn at_the_hard_limit_what_draws_is_aborted_and_nothing_starts_before_it_has_reco
     let some = vec![
         mandatory(drawing(activity(1, 60, clock(10, 10)))),
         mandatory(activity(2, 60, clock(10, 10))),
-        mandatory(drawing(activity(3, 10, clock(10, 30)))),
+        // It is committed when the limit is reached.
+        mandatory(drawing(activity(3, 10, clock(10, 24)))),
         Activity { kind: Kind::StayAwake, ..mandatory(activity(4, 300, clock(10, 0))) },
     ];
     let mut stage = small(some, Fates::new());
@@ -151,9 +152,10 @@ fn what_can_never_run_is_given_up_also_where_the_computer_is_to_be_woken_for_it(
     mission.agents[0].supply = Some(Milliwatts::from_watts(299));
     let setting = Setting { mission: Arc::new(mission), ..setting_of(plan(some)) };
     let mut stage = Stage::of(setting, morning(), Fates::new());
+    stage.until(clock(10, 1));
+    assert_eq!(outcome(&stage, 1), Some(Outcome::NotStarted), "at once");
     stage.until(clock(15, 0));
     assert_eq!(stage.start_of(1), None);
-    assert_eq!(outcome(&stage, 1), Some(Outcome::NotStarted));
     assert_eq!(outcome(&stage, 2), Some(Outcome::Succeeded), "it was to come in its place");
 }
 
