@@ -269,3 +269,27 @@ fn a_plan_is_compared_with_what_its_sequences_command() {
         assert!(said.err.contains(part), "{part}: {said:?}");
     }
 }
+
+#[test]
+fn what_may_be_meant_otherwise_is_warned_of_and_what_cannot_be_counted_is_no_number() {
+    let sols = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/sols");
+    let winter = fs::read_to_string(sols.join("winter/plan.xml")).unwrap();
+    let is = "duration=\"5 min\" marginal=\"5 W\" peak=\"10 W\"";
+    assert_eq!(winter.matches(is).count(), 1);
+    let scratch = Scratch::new();
+    let check = |becomes: &str| {
+        let file = scratch.file("plan.xml", winter.replace(is, becomes));
+        plan(&["check", text(&file), text(&sols.join("parameters.xml"))])
+    };
+    let said = check("duration=\"300\" marginal=\"15 W\" peak=\"10 W\"");
+    assert!(said.code == 0 && said.out.contains("2 warnings"), "{said:?}");
+    for part in ["300 without a unit is read as seconds", "its peak is below its average power"] {
+        assert!(said.err.contains(part), "{part}: {said:?}");
+    }
+    let said = check("duration=\"300 s\" marginal=\"10 W\" peak=\"10 W\"");
+    assert_eq!((said.code, &said.err[..]), (0, ""), "{said:?}");
+    let huge = "duration=\"90000000 h\" marginal=\"90000000 kW\" peak=\"10 W\" energy=\"1 J\"";
+    let said = check(huge);
+    assert!(said.code == 1 && said.err.contains("that can be multiplied"), "{said:?}");
+    assert!(!said.err.contains("18446744073709"), "{said:?}");
+}
