@@ -278,7 +278,8 @@ impl Timelines {
 
 /// What is on board now: what ended ones made, less what was sent in windows that
 /// are over, and of a running one what it will have made, if that is more than
-/// what it has.
+/// what it has. What a running downlink has not sent yet is on board until its
+/// end.
 fn on_board(plan: &Plan, state: &State) -> i128 {
     let ended = state.ended.iter().map(|ended| i128::from(ended.data.get()));
     let running = state.running.iter().map(|running| {

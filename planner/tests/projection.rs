@@ -209,7 +209,10 @@ fn data(case: &Case, at: i64) -> i64 {
         if from <= at { data } else { 0 }
     });
     let freed = if case.window.1 <= at { -4 } else { 0 };
-    case.slots[0].3.max(2) + later.sum::<i64>() + freed
+    let (start, length, _, runs) = case.slots[0];
+    // A running downlink has sent what it was to send when it ends.
+    let now = if runs < 0 && start + length <= at { runs } else { runs.max(2) };
+    now + later.sum::<i64>() + freed
 }
 
 /// In thousandths.

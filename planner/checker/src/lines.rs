@@ -17,7 +17,13 @@ pub(crate) fn data(scene: &Scene<'_>, placed: &[Placed]) -> Steps {
     }
     for running in &scene.state.running {
         let modelled = scene.index(running.id).map_or(0, |i| scene.activity(i).data.get());
-        changes.add(now, i128::from(running.data.get().max(modelled)));
+        let known = i128::from(running.data.get().max(modelled));
+        changes.add(now, known);
+        // What is to be sent is gone when it ends.
+        let own = placed.iter().find(|placed| scene.activity(placed.index).id == running.id);
+        if let Some(own) = own.filter(|_| modelled < 0) {
+            changes.add(own.end.max(now), i128::from(modelled) - known);
+        }
     }
     let placed = placed.iter().filter(|placed| !matches!(placed.how, How::Runs { .. }));
     let claims = placed.map(|p| (p.start, p.end, scene.activity(p.index).data.get()));

@@ -119,7 +119,11 @@ impl Claim {
             (*line, Sum { start: 0, rate, sets: [None, sum.sets[1]], ..sum })
         });
         let mut claim = Self::with(activity, order, until.since(now), parameters, sums.collect())?;
-        (claim.data, claim.limited) = (0, false);
+        // What it has on board counts from now on. A downlink frees the rest of
+        // what it was to send at its end.
+        let rest = activity.data.get() - activity.data.get().max(running.data.get());
+        claim.data = if activity.data.get() < 0 { rest } else { 0 };
+        claim.limited = false;
         Ok(claim)
     }
 

@@ -78,3 +78,21 @@ fn what_runs_counts_with_the_larger_of_what_was_thought_and_what_it_made() {
     assert_eq!([fits(300, 600), fits(300, 601)], [true, false]);
     assert_eq!([fits(500, 500), fits(500, 501)], [true, false]);
 }
+
+#[test]
+fn a_downlink_that_runs_frees_what_it_has_not_sent_at_its_planned_end() {
+    let start = |sent, bytes| {
+        let downlink = data(-500, activity(3, 60, -10, -10));
+        let later = data(bytes, activity(2, 10, 10, 200));
+        let mut rover = rover(vec![activity(1, 30, -40, -40), later, downlink]);
+        let (started, ends, data) = (min(-10), min(50), Bytes::new(sent));
+        rover.state.running =
+            vec![Running { id: id(3), started, ends, cutoff: ends, paused: None, data }];
+        rover.state.mode = Mode::Awake;
+        rover.state.ended = vec![ended(900)];
+        slot(&rover.timed(), 2).map(|(start, _)| start)
+    };
+    assert_eq!([start(0, 100), start(0, 101)], [Some(10), Some(50)], "nothing is sent yet");
+    assert_eq!([start(-100, 200), start(-100, 201)], [Some(10), Some(50)], "a part is");
+    assert_eq!([start(0, 600), start(0, 601)], [Some(50), None]);
+}

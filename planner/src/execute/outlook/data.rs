@@ -54,7 +54,8 @@ impl Outlook<'_> {
         let ended = self.state.ended.iter().map(|ended| i128::from(ended.data.get()));
         let running = self.state.running.iter().map(|running| {
             let modelled = self.activity(running.id).map_or(0, |one| one.data.get());
-            i128::from(running.data.get().max(modelled))
+            let sent = modelled < 0 && running.ends <= at && running.ends > self.state.now;
+            i128::from(if sent { modelled } else { running.data.get().max(modelled) })
         });
         let windows = self.state.windows.iter();
         let windows = windows.map(|one| by_then(one.data, (one.start, one.end), at));
