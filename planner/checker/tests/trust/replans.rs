@@ -20,7 +20,7 @@ struct Case {
 fn case(seed: u64, scale: Scale) -> Case {
     let mut world = world(seed, scale);
     // An improved plan is one that a pass may come to less than.
-    let budget = Budget { evaluations: if seed.is_multiple_of(4) { 0 } else { 150 }, seed };
+    let budget = Budget { evaluations: if seed.is_multiple_of(4) { 0 } else { 600 }, seed };
     let mut incumbent = improve(&problem(&world, seed), None, budget, &mut || false).timed;
     for turn in 0..=seed % 3 {
         world = later(&world, &incumbent, seed * 3 + turn);
