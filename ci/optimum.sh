@@ -47,7 +47,7 @@ python3 -m venv "$venv" || skip "python3 cannot make a virtual environment"
 
 worlds() {
     cargo run --locked --quiet --release --package faregate-planner --example small_worlds -- \
-        0 15 20 30 40 60
+        0 15 20 30 40
 }
 
 found="$(mktemp)"

@@ -4,6 +4,7 @@
 #[expect(dead_code, reason = "each test program uses a part of it")]
 mod support;
 
+use serde_json::Value;
 use support::Scratch;
 use support::run::{Run, wait_until};
 
@@ -47,7 +48,9 @@ fn what_the_host_is_short_of_is_waited_for() {
     };
     let waits_for = |run: &Run, task: &str, what: &str| {
         wait_until(&format!("task {task} waits for {what}"), || {
-            let row = run.state(task);
+            // Who asks before it is loaded is told that there is no such task.
+            let said = run.operate(&["status", task, "--format", "json"]);
+            let row = if said.code == 0 { said.json()["tasks"][0].clone() } else { Value::Null };
             let waits_for = row["waits_for"].as_str().unwrap_or_default();
             row["state"] == "waiting" && waits_for.starts_with(what)
         });
