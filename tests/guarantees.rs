@@ -222,8 +222,10 @@ fn every_check_that_the_readme_names_is_there() {
         let package = command.split(' ').nth(3).unwrap_or_default();
         let folder = package.trim_start_matches("faregate-");
         for test in command.split("--test ").skip(1).map(str::trim) {
-            let file = format!("{folder}/tests/{test}.rs");
-            assert!(Path::new(env!("CARGO_MANIFEST_DIR")).join(&file).is_file(), "no {file}");
+            let files =
+                [format!("{folder}/tests/{test}.rs"), format!("{folder}/tests/{test}/main.rs")];
+            let is_there = |file| Path::new(env!("CARGO_MANIFEST_DIR")).join(file).is_file();
+            assert!(files.iter().any(is_there), "there is none of {files:?}");
             checks += 1;
         }
     }
